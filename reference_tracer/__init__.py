@@ -1,0 +1,5 @@
+"""The ground truth: a Whitted tracer of implicit surfaces f(x, y, z) = 0, vectorised with Dr.Jit in fp64."""
+
+from . import llvm as _llvm
+
+_llvm.choose()  # before anything imports drjit

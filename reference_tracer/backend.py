@@ -1,0 +1,62 @@
+"""The array types a render runs on: LLVM on the processor or CUDA, in double or single precision."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cache
+
+import drjit as dr
+
+from . import llvm
+from .errors import InputError
+
+
+@dataclass(frozen=True)
+class Backend:
+    """Dr.Jit array types of one device and precision."""
+
+    device: str
+    precision: int
+    Float: type
+    Vector: type
+    UInt: type
+    Bits: type
+    Bool: type
+
+    def constant(self, value: float):
+        """A number that kernels read at run time, so that another value needs no recompilation."""
+        return dr.opaque(self.Float, float(value))
+
+    def count(self, value: int):
+        """A whole number that kernels read at run time."""
+        return dr.opaque(self.UInt, int(value))
+
+    def vector(self, values):
+        return self.Vector(*(self.constant(v) for v in values))
+
+
+@cache
+def backend(precision: int = 64, device: str = "llvm") -> Backend:
+    """The array types for `precision` 64 (the truth) or 32 and `device` "llvm" or "cuda".
+
+    Raises InputError where the device cannot be used.
+    """
+    if device == "llvm" and not os.environ.get(llvm.VARIABLE):
+        raise InputError(f"no LLVM library of version {llvm.OLDEST} or later was found; {llvm.REMEDY}")
+    if device == "cuda" and not dr.has_backend(dr.JitBackend.CUDA):
+        raise InputError("no CUDA device was found; use --device llvm")
+    arrays = __import__(f"drjit.{device}", fromlist=["Float64"])
+    return Backend(device, precision,
+                   Float=getattr(arrays, f"Float{precision}"),
+                   Vector=arrays.Array3f64 if precision == 64 else arrays.Array3f,
+                   UInt=arrays.UInt32, Bits=arrays.UInt64, Bool=arrays.Bool)
+
+
+def use_threads(count: int | None) -> int:
+    """Sets the size of Dr.Jit's thread pool (None: all cores) and returns it. Dr.Jit shares rows of rays among them."""
+    if count is not None and not 1 <= count <= 1024:
+        raise InputError(f"threads must be between 1 and 1024; found {count}")
+    chosen = count or len(os.sched_getaffinity(0))
+    dr.set_thread_count(chosen)
+    return chosen

@@ -1,0 +1,43 @@
+"""Section 2: the ray through every pixel."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .scene.model import Camera
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The camera of section 2 as numbers: v_pos, the unit vectors v_dir, v_x (right), v_y (up), and `ratio`."""
+
+    v_pos: np.ndarray
+    v_dir: np.ndarray
+    v_x: np.ndarray
+    v_y: np.ndarray
+    ratio: float
+    width: int
+    height: int
+
+
+def frame(camera: Camera) -> Frame:
+    """The orthonormal frame of `camera` and the width of a pixel on the canvas at distance 1 (decision C1)."""
+    unit = lambda v: v / np.linalg.norm(v)
+    v_dir = unit(np.array(camera.direction))
+    v_x = unit(np.cross(np.array(camera.up), v_dir))
+    span = 2 * math.tan(math.pi * camera.fov / 360)
+    return Frame(v_pos=np.array(camera.position), v_dir=v_dir, v_x=v_x, v_y=np.cross(v_dir, v_x),
+                 ratio=span / max(camera.width, camera.height), width=camera.width, height=camera.height)
+
+
+def canvas_point(f: Frame, row, col, sample_row, sample_col, samples: int):
+    """(x, y) on the canvas of sample (sample_row, sample_col) of n x n in pixel (row, col), row 0 at the top (C2).
+
+    One sample is the pixel's centre. Works on any array type.
+    """
+    x = f.ratio * ((col + (sample_col + 0.5) / samples) - f.width * 0.5)
+    y = f.ratio * (-(row + (sample_row + 0.5) / samples) + f.height * 0.5)
+    return x, y

@@ -1,0 +1,116 @@
+"""First hits of any f by interval arithmetic: a segment is left only when it provably holds no crossing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import drjit as dr
+
+from ..numbers import Interval
+from .interface import Crossing, LocalRay, Solid
+from .refine import safeguarded_newton
+
+NARROWEST = 1e-13  # relative width below which a segment is not divided any more
+MOST_SEGMENTS = 20_000
+TOLERANCE = 1e-15  # of the root within its bracket
+
+
+@dataclass
+class _Scan:
+    """Where the scan of a ray stopped."""
+
+    t: object  # Float, start of the bracket
+    end: object  # Float, end of the bracket
+    inside: object  # Bool, side at `t`
+    count: object  # UInt, crossings found
+    undecided: object  # Bool
+    segments: object  # UInt, segments looked at
+
+
+class IntervalMethod:
+    """Looks at segments [t, t + w] front to back, doubling w after a segment without crossing and halving it otherwise.
+
+    A segment holds no crossing if an enclosure of g excludes zero, or if g' does (g is monotone) and both ends are on
+    the same side; it holds exactly one if g is monotone and the ends are on different sides (Moore 1966; Mitchell
+    1990, Robust ray intersection with interval arithmetic). Beside the natural enclosure of g the lines of slope
+    inf g' and sup g' through both ends bound it, an enclosure whose excess falls with w^2 (linear boundary value form,
+    Neumaier 1990). `number` is Interval, or OutwardInterval for a proof.
+    """
+
+    name = "interval"
+
+    def __init__(self, number: type[Interval] = Interval):
+        self.number = number
+
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+        scan = self._scan(solid, ray, inside, limit, only_first=dr.mask_t(limit)(True))
+        found = scan.count > 0
+        t, iterations = safeguarded_newton(lambda t: solid.slope_at(ray, t, solid.regular), scan.t, scan.end, inside,
+                                           found, TOLERANCE)
+        return Crossing(found, t, t, scan.undecided, 3 * scan.segments + 2 * iterations)
+
+    def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
+        scan = self._scan(solid, ray, inside, limit, only_first)
+        return scan.count, scan.undecided
+
+    @dr.syntax
+    def _scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> _Scan:
+        Float, Bool = type(limit), dr.mask_t(limit)
+        start, stop = self._range(solid, ray, inside, limit)
+        t = Float(start)
+        w = stop - start
+        side = Bool(inside)
+        g_start = dr.select(start > 0, solid.regular(*ray.at(start)), 0)  # at the origin g is noise; its side is known
+        end = Float(start)
+        count = dr.zeros(dr.uint32_array_t(Float))
+        segments = dr.zeros(dr.uint32_array_t(Float))
+        undecided = dr.zeros(Bool)
+        active = t < stop
+        while active:
+            w = dr.minimum(w, stop - t)
+            end = dr.select(t + w >= stop, stop, t + w)
+            w = end - t
+            g, slope = solid.enclose(ray, t, end, self.number)
+            g_end = solid.regular(*ray.at(end))
+            crossed = (g_end < 0) != side
+            monotone = slope.excludes_zero()
+            clear = g.excludes_zero() | self._bounded_away(g_start, g_end, slope, w, side)
+            narrow = w <= NARROWEST * dr.maximum(1, dr.abs(t))
+            hit = crossed & (monotone | clear | narrow)
+            passed = ~crossed & (monotone | clear | narrow)
+            # narrow, yet neither excluded nor crossed: two crossings closer than NARROWEST may hide here
+            undecided |= narrow & ~monotone & ~clear
+            count += dr.select(hit, 1, 0)
+            segments += 1
+            stays = hit & (only_first | (segments >= MOST_SEGMENTS))
+            moves = passed | (hit & ~stays)
+            side = side ^ (hit & ~stays)
+            t = dr.select(moves, end, t)
+            g_start = dr.select(moves, g_end, g_start)
+            w = dr.select(moves, 2 * w, dr.select(stays, w, 0.5 * w))
+            active = ~stays & (t < stop) & (segments < MOST_SEGMENTS)
+        undecided |= (segments >= MOST_SEGMENTS) & (t < stop)
+        return _Scan(t, end, side, count, undecided, segments)
+
+    @staticmethod
+    def _range(solid: Solid, ray: LocalRay, inside, limit):
+        """The part of (0, limit) to search: the box, unless the ray starts within the solid and has to come out."""
+        start, stop = solid.span(ray, limit)
+        if solid.box is None:
+            return start, stop
+        outside = inside == solid.far_inside
+        return dr.select(outside, start, 0), dr.select(outside, stop, limit)
+
+    @staticmethod
+    def _bounded_away(g_start, g_end, slope: Interval, w, side):
+        """Whether the lines of extreme slope through both ends keep g off zero, on the side the ray is on.
+
+        With g >= 0 on that side (else negate): left of the lines' meeting g >= g0 + s_lo u, right of it
+        g >= g1 - s_hi (w - u); their meeting is the lowest point, (s_hi g0 - s_lo g1 + w s_lo s_hi) / (s_hi - s_lo).
+        """
+        sign = dr.select(side, -1, 1)
+        g0, g1 = sign * g_start, sign * g_end
+        low = dr.select(side, -slope.high, slope.low)
+        high = dr.select(side, -slope.low, slope.high)
+        # the products below are finite only for finite slopes; an infinite one makes NaN, which proves nothing
+        return (g0 > 0) & (g1 > 0) & (high * g0 - low * g1 + w * low * high > 0) & (low < 0) & (high > 0)

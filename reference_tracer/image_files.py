@@ -1,0 +1,85 @@
+"""Pictures on disk, through OpenImageIO: multi-channel float EXR, exact fp64 NPZ, 8-bit PNG."""
+
+from __future__ import annotations
+
+import json
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from .errors import InputError
+from .render import Picture
+
+SUFFIXES = (".png", ".exr", ".npz")
+PLANES = ("color", "t", "position", "normal", "index", "depth", "status")
+
+
+def metadata(picture: Picture) -> dict:
+    """Where a picture comes from: scene hash, versions, parameters. Every file format carries it."""
+    return {**picture.metadata, "raytruth": version("raytruth"),
+            "tracing": picture.scene.tracing.model_dump(mode="json")}
+
+
+def save(picture: Picture, path: str | Path) -> None:
+    """Writes `picture` in the format its suffix names. Raises InputError for another suffix or an unwritable place."""
+    path = Path(path)
+    writer = {".png": save_png, ".exr": save_exr, ".npz": save_npz}.get(path.suffix.lower())
+    if writer is None:
+        raise InputError(f"{path}: the output must end in one of {', '.join(SUFFIXES)}")
+    try:
+        writer(picture, path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
+
+
+def to_8_bit(color: np.ndarray) -> np.ndarray:
+    """Linear values to 0..255: clamped to [0, 1] and rounded to nearest, no gamma (decision P1). NaN becomes 0."""
+    return np.floor(np.clip(np.nan_to_num(color, nan=0.0, posinf=1.0, neginf=0.0), 0, 1) * 255 + 0.5).astype(np.uint8)
+
+
+def save_png(picture: Picture, path: Path) -> None:
+    write_8_bit(to_8_bit(picture.color), path, metadata(picture))
+
+
+def write_8_bit(pixels: np.ndarray, path: str | Path, about: dict | None = None) -> None:
+    """Writes (h, w, 1 or 3) uint8 as PNG."""
+    _write(np.ascontiguousarray(pixels), path, "uint8", [], about or {})
+
+
+def save_exr(picture: Picture, path: Path) -> None:
+    """All planes as float channels: R G B, Z (t), P.xyz, N.xyz, id, depth, status."""
+    planes = [picture.color, picture.t, picture.position, picture.normal, picture.index, picture.depth, picture.status]
+    channels = np.concatenate([p.reshape(*picture.t.shape, -1).astype(np.float32) for p in planes], axis=-1)
+    names = ["R", "G", "B", "Z", "P.x", "P.y", "P.z", "N.x", "N.y", "N.z", "id", "depth", "status"]
+    _write(channels, path, "float", names, metadata(picture))
+
+
+def save_npz(picture: Picture, path: Path) -> None:
+    """All planes in full precision, and the metadata as a JSON text; `load_npz` reads it back."""
+    with path.open("wb") as file:
+        np.savez_compressed(file, metadata=json.dumps(metadata(picture)),
+                            **{name: getattr(picture, name) for name in PLANES})
+
+
+def load_npz(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
+    """The planes and the metadata of a file written by `save_npz`."""
+    with np.load(path, allow_pickle=False) as file:
+        return {name: file[name] for name in PLANES}, json.loads(str(file["metadata"]))
+
+
+def _write(pixels: np.ndarray, path, kind: str, names: list[str], about: dict) -> None:
+    import OpenImageIO as oiio  # 0.1 s; only when a picture is written
+
+    height, width, channels = pixels.shape
+    spec = oiio.ImageSpec(width, height, channels, kind)
+    if names:
+        spec.channelnames = names
+        spec.attribute("compression", "zip")
+    for key, value in about.items():
+        spec.attribute(f"raytruth:{key}", value if isinstance(value, str) else json.dumps(value))
+    output = oiio.ImageOutput.create(str(path))
+    if output is None or not output.open(str(path), spec) or not output.write_image(pixels):
+        message = output.geterror() if output else oiio.geterror()
+        raise OSError(message.strip() or "the image writer failed")
+    output.close()

@@ -1,0 +1,1 @@
+"""What is to be rendered: the scene format, reading it from untrusted files, and the scenes of the document."""

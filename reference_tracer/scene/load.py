@@ -1,0 +1,163 @@
+"""Reading scene files. They are untrusted: size and nesting are bounded, and every fault is told in one line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from ..errors import InputError
+from .model import Scene
+
+LARGEST_FILE = 1 << 20  # bytes
+DEEPEST_NESTING = 32
+
+
+def load_scene(path: str | Path) -> Scene:
+    """The scene in the JSON file `path`.
+
+    Raises InputError: one line that names the file, the place inside it and the remedy.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error}); give the path of a scene file") from None
+    return parse_scene(data, str(path))
+
+
+def parse_scene(data: bytes, source: str = "scene") -> Scene:
+    """The scene in a JSON document; `source` names it in errors. Raises InputError."""
+    if len(data) > LARGEST_FILE:
+        raise InputError(f"{source}: is larger than {LARGEST_FILE >> 20} MiB; a scene file is a short JSON document")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"{source}: is not UTF-8 text (byte {error.start}); save it as UTF-8") from None
+    _require_shallow(text, source)
+    try:
+        document = json.loads(text, object_pairs_hook=_without_repeats, parse_constant=_no_constant)
+    except json.JSONDecodeError as error:
+        raise InputError(f"{source}: line {error.lineno}, column {error.colno}: is not JSON ({error.msg}); "
+                         "correct it there") from None
+    except _Refused as error:
+        raise InputError(f"{source}: {error}") from None
+    except (ValueError, RecursionError):  # an integer of thousands of digits, for one
+        raise InputError(f"{source}: holds a number too long to read; write it with at most 17 digits") from None
+    if not isinstance(document, dict):
+        raise InputError(f'{source}: must be a JSON object {{"camera": ..., "objects": [...], ...}}')
+    try:
+        return Scene.model_validate_json(text.lstrip("\ufeff"))
+    except ValidationError as error:
+        raise InputError(f"{source}: {_one_line(error)}") from None
+
+
+class _Refused(Exception):
+    pass
+
+
+def _without_repeats(pairs):
+    keys = [key for key, _ in pairs]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise _Refused(f"the key {_quoted(key)} stands twice in one object; keep one of them")
+    return dict(pairs)
+
+
+def _no_constant(name):
+    raise _Refused(f"holds {name}, which is not JSON and not a number a scene can use; write a finite number")
+
+
+def _require_shallow(text: str, source: str):
+    """Bounds the nesting before any parser recurses over it."""
+    depth, in_string, escaped = 0, False, False
+    for character in text:
+        if in_string:
+            if escaped:
+                escaped = False
+            elif character == "\\":
+                escaped = True
+            elif character == '"':
+                in_string = False
+        elif character == '"':
+            in_string = True
+        elif character in "[{":
+            depth += 1
+            if depth > DEEPEST_NESTING:
+                raise InputError(f"{source}: is nested deeper than {DEEPEST_NESTING} levels; a scene needs about 6")
+        elif character in "]}":
+            depth -= 1
+
+
+# --- one sentence for each fault -----------------------------------------------------------------------------------
+_KINDS = {"plane", "sphere", "ellipsoid", "torus", "paraboloid", "heart", "expression"}
+
+_REMEDY = {
+    "missing": "is missing; add it",
+    "extra_forbidden": "is not a key this place knows; check the spelling or remove it",
+    "finite_number": "must be a finite number",
+    "float_type": "must be a number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "string_type": "must be text in quotes",
+    "string_pattern_mismatch": "must be 1 to 80 lower-case letters, digits, dots and hyphens",
+    "tuple_type": "must be a list",
+    "model_type": "must be an object in braces",
+    "model_attributes_type": "must be an object in braces",
+    "union_tag_not_found": 'needs "type": one of plane, sphere, ellipsoid, torus, paraboloid, heart, expression',
+    "union_tag_invalid": 'has an unknown "type"; use one of plane, sphere, ellipsoid, torus, paraboloid, heart, expression',
+}
+
+
+def _one_line(error: ValidationError) -> str:
+    faults = error.errors(include_url=False)
+    # a list that lost an entry to another fault is not too short on its own account
+    faults = [f for f in faults if f["type"] != "too_short"
+              or not any(g is not f and g["loc"][:len(f["loc"])] == f["loc"] for g in faults)]
+    first = faults[0]
+    context = first.get("ctx", {})
+    kind = first["type"]
+    match kind:
+        case "value_error":
+            remedy = str(context["error"])
+        case "greater_than" | "greater_than_equal" | "less_than" | "less_than_equal":
+            (word, bound), = context.items()
+            sign = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}[word]
+            remedy = f"must be {sign} {bound:g}"
+        case "too_long" if first["loc"] and isinstance(context.get("max_length"), int):
+            remedy = f"must have at most {context['max_length']} entries"
+        case "too_short":
+            remedy = f"must have at least {context['min_length']} entries"
+        case "string_too_long":
+            remedy = f"must have at most {context['max_length']} characters"
+        case "literal_error":
+            remedy = f"must be {context['expected']}"
+        case _:
+            remedy = _REMEDY.get(kind, first["msg"])
+    found = "" if kind in ("missing", "value_error", "extra_forbidden") else f"; found {_quoted(first['input'])}"
+    more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+    return " ".join(f"{_place(first['loc'])}: {remedy}{found}{more}".split())
+
+
+def _place(location) -> str:
+    text = ""
+    for step in location:
+        if isinstance(step, int):
+            text += f"[{step}]"
+        elif step not in _KINDS or not text.endswith("surface"):  # pydantic inserts the kind of a surface
+            text += f".{_printable(str(step))}" if text else _printable(str(step))
+    return text or "the scene"
+
+
+def _printable(text: str, longest: int = 60) -> str:
+    text = "".join(c if c.isprintable() else "?" for c in text)
+    return text if len(text) <= longest else text[:longest] + "..."
+
+
+def _quoted(value) -> str:
+    try:
+        return _printable(json.dumps(value, default=str, ensure_ascii=False))
+    except (ValueError, RecursionError):
+        return "something too large to show"

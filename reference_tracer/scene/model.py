@@ -1,0 +1,164 @@
+"""The scene format: what a scene file may say. The published JSON Schema is generated from these classes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from functools import cached_property
+from typing import Annotated, Literal, Union
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from ..surfaces import KINDS
+from ..surfaces.surface import Finite, Length, Vector
+
+MOST_OBJECTS = 1024
+MOST_LIGHTS = 64
+LONGEST_SIDE = 16384  # pixels
+MOST_PIXELS = 2**26
+MOST_STEPS = 1_000_000
+
+AnySurface = Annotated[Union[KINDS], Field(discriminator="type")]
+Fraction = Annotated[float, Field(ge=0, le=1)]
+Intensity = Annotated[float, Field(ge=0, le=1000)]
+Colour = tuple[Fraction, Fraction, Fraction]
+ShortText = Annotated[str, Field(max_length=200)]
+
+
+class Part(BaseModel):
+    """Base of everything in a scene: immutable, strictly typed, no unknown keys, no NaN."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+
+def _length(v) -> float:
+    return math.sqrt(sum(c * c for c in v))
+
+
+def _require_direction(v, what: str):
+    if _length(v) < 1e-6:
+        raise ValueError(f"{what} must not be the zero vector")
+
+
+class Camera(Part):
+    """Section 2: a canvas at distance 1 in front of `position`; decision C1 fixes the axes."""
+
+    position: Vector = (0.0, 0.0, 0.0)
+    direction: Vector = Field((0.0, 0.0, 1.0), description="where the camera looks; any length but zero")
+    up: Vector = Field((0.0, 1.0, 0.0), description="the side of the picture's top; not parallel to direction")
+    fov: Annotated[float, Field(gt=0, lt=180)] = Field(60.0, description="field of view over the longer side, degrees")
+    width: Annotated[int, Field(ge=1, le=LONGEST_SIDE)] = 640
+    height: Annotated[int, Field(ge=1, le=LONGEST_SIDE)] = 480
+
+    @model_validator(mode="after")
+    def _is_a_frame(self):
+        _require_direction(self.direction, "direction")
+        _require_direction(self.up, "up")
+        (a, b, c), (p, q, r) = self.direction, self.up
+        cross = (b * r - c * q, c * p - a * r, a * q - b * p)
+        if _length(cross) < 1e-6 * _length(self.direction) * _length(self.up):
+            raise ValueError("up must not be parallel to direction")
+        if self.width * self.height > MOST_PIXELS:
+            raise ValueError(f"width * height must be at most {MOST_PIXELS} pixels")
+        return self
+
+
+class Rotation(Part):
+    """A turn about an axis through the surface's centre (decision O3), by Rodrigues' formula."""
+
+    axis: Vector
+    degrees: Finite
+
+    @model_validator(mode="after")
+    def _has_an_axis(self):
+        _require_direction(self.axis, "axis")
+        return self
+
+
+class Material(Part):
+    """Section 3: how an object answers light."""
+
+    color: Colour = (1.0, 1.0, 1.0)
+    reflection: Fraction = 0.0
+    transparency: Fraction = 0.0
+    refractive_index: Annotated[float, Field(ge=0.1, le=10)] = 1.0
+
+
+class Object(Part):
+    """A surface with its place and its material."""
+
+    name: ShortText = ""
+    surface: AnySurface
+    rotation: Rotation | None = None
+    material: Material = Material()
+
+
+class Light(Part):
+    """A point light; its brightness does not fall off with distance (decision L1)."""
+
+    position: Vector
+    brightness: tuple[Intensity, Intensity, Intensity] = (1.0, 1.0, 1.0)
+
+
+class Tracing(Part):
+    """The parameters of sections 4 and 5."""
+
+    step_size: Annotated[float, Field(ge=1e-6, le=1000)] = Field(0.1, description="stepSize of section 4.1")
+    tolerance: Annotated[float, Field(ge=1e-15, le=1)] = Field(1e-12, description="Newton stops at |dt| <= tolerance max(1, |t|)")
+    max_iterations: Annotated[int, Field(ge=1, le=1000)] = 20
+    max_distance: Length = Field(30.0, description="where a ray ends")
+    max_depth: Annotated[int, Field(ge=0, le=64)] = Field(8, description="generations of secondary rays")
+    samples: Annotated[int, Field(ge=1, le=32)] = Field(1, description="n of n x n samples per pixel (section 5)")
+    refraction: Literal["snell", "as_printed"] = Field(
+        "snell", description="decision E1: the law of refraction, or the misprinted formula of section 4.3.3.2")
+
+    @model_validator(mode="after")
+    def _is_bounded(self):
+        if self.max_distance / self.step_size > MOST_STEPS:
+            raise ValueError(f"max_distance / step_size must be at most {MOST_STEPS} steps")
+        return self
+
+
+class Scene(Part):
+    """A whole scene: what is seen, from where, in what light, and how it is traced."""
+
+    schema_: str | None = Field(None, alias="$schema", max_length=500)
+    format: Literal[1] = Field(1, description="version of this format")
+    name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9.-]{0,79}$")] = Field(
+        "untitled", description="lower-case letters, digits, dots and hyphens; names output files")
+    title: ShortText = ""
+    figure: ShortText = Field("", description="the figure of the document this scene reproduces")
+    description: Annotated[str, Field(max_length=2000)] = Field("", description="what the picture shows, in words")
+    estimates: Annotated[str, Field(max_length=2000)] = Field(
+        "", description="which values were not given and were chosen by eye (decision S1)")
+    camera: Camera = Camera()
+    objects: Annotated[tuple[Object, ...], Field(min_length=1, max_length=MOST_OBJECTS)]
+    lights: Annotated[tuple[Light, ...], Field(max_length=MOST_LIGHTS)] = ()
+    background: tuple[Intensity, Intensity, Intensity] = (0.0, 0.0, 0.0)
+    tracing: Tracing = Tracing()
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of everything that can change a pixel; names and descriptions do not count."""
+        content = self.model_dump(mode="json", exclude={"schema_", "name", "title", "figure", "description", "estimates"})
+        for object_ in content["objects"]:
+            object_.pop("name")
+        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+    def resized(self, width: int, height: int, samples: int | None = None) -> Scene:
+        """The same scene at another picture size and, if given, another number of samples per axis."""
+        tracing = self.tracing if samples is None else self.tracing.model_copy(update={"samples": samples})
+        camera = Camera.model_validate({**self.camera.model_dump(), "width": width, "height": height})
+        return self.model_copy(update={"camera": camera, "tracing": Tracing.model_validate(tracing.model_dump())})
+
+    def traced_with(self, **changes) -> Scene:
+        """The same scene with other tracing parameters."""
+        tracing = Tracing.model_validate({**self.tracing.model_dump(), **changes})
+        return self.model_copy(update={"tracing": tracing})
+
+
+def json_schema() -> dict:
+    """The JSON Schema of a scene file."""
+    schema = Scene.model_json_schema(by_alias=True)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "raytruth scene, format 1"}

@@ -1,0 +1,100 @@
+"""Section 4.3: what happens where a ray meets an object, for a whole wave of rays at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import drjit as dr
+
+from .rays import Hit, Ray, Sides
+from .secondary import reflect, refract
+from .world import Material, World
+
+
+@dataclass
+class Collision:
+    """One ray's answer: its own colour, and the secondary rays with the weight each has in it.
+
+    A weight is None where no object of the scene makes such rays.
+    """
+
+    hit: Hit
+    point: object  # Vector, where the ray met the object
+    normal: object  # Vector, unit, turned against the ray (decision N1)
+    color: object  # Vector, visibleColor (1 - reflection) (1 - transparency), or the background
+    undecided: object  # Bool
+    reflected: object | None  # Vector, direction
+    reflected_weight: object | None  # Float
+    refracted: object | None  # Vector, direction
+    refracted_weight: object | None  # Float
+    refracted_sides: Sides | None
+
+
+def collide(world: World, ray: Ray, active) -> Collision:
+    """Traces `ray` to its first hit and shades it (sections 4.1 to 4.3.4).
+
+    pointColor = (visibleColor (1 - R) + R reflectionColor) (1 - T) + T refractionColor, written as a sum with the
+    weights (1 - R)(1 - T), R (1 - T) and T, so that a wave needs no recursion.
+    """
+    Float, Bool = world.arrays.Float, world.arrays.Bool
+    hit = world.nearest(ray)
+    met = active & (hit.index < world.object_count)
+    t = dr.select(met, hit.t, 0)
+    point = dr.fma(ray.d, t, ray.o)
+    gradient = world.normal(point, hit.index, met)
+    cos1 = -dr.dot(ray.d, gradient)
+    normal = dr.select(cos1 < 0, -gradient, gradient)
+    cos1 = dr.abs(cos1)
+    # where the gradient does not exist (O4, O5) there is no normal: face the ray, and say that the pixel is undecided
+    smooth = dr.isfinite(cos1)
+    normal, cos1 = dr.select(smooth, normal, -ray.d), dr.select(smooth, dr.minimum(cos1, 1), 1)
+
+    material = world.material(hit.index, met)
+    R = material.reflection if world.reflective else 0.0
+    T = material.transparency if world.transparent else 0.0
+    local_weight = dr.select(met, (1.0 - R) * (1.0 - T), 0)
+    illumination, unsure = _illumination(world, ray, point, normal, met & (local_weight > 0))
+    background = world.arrays.Vector(*world.background)
+    color = dr.select(met, material.color * illumination * local_weight, dr.select(active, background, 0))
+
+    collision = Collision(hit, point, normal, color, active & (hit.undecided | unsure | (met & ~smooth)),
+                          None, None, None, None, None)
+    if world.reflective or world.transparent:
+        collision.reflected = dr.normalize(reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
+        collision.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
+    if world.transparent:
+        _add_refraction(world, ray, collision, material, cos1, met)
+    return collision
+
+
+@dr.syntax
+def _illumination(world: World, ray: Ray, point, normal, active):
+    """Section 4.3.1: the sum over lights of max(cos(phi), 0) * brightness * intensity (decisions L1 to L3)."""
+    total = world.arrays.Vector(0, 0, 0)
+    undecided = world.arrays.Bool(False)
+    j = world.arrays.UInt(0)
+    while j < world.light_count:
+        position, brightness = world.light(j)
+        to_light = position - point
+        distance = dr.norm(to_light)
+        shadow_dir = to_light / distance
+        cos = dr.dot(shadow_dir, normal)
+        # the shadow ray starts on the side the ray came from, like the reflection ray (M3)
+        intensity, unsure = world.light_through(Ray(point, shadow_dir, ray.sides), distance, active & (cos > 0))
+        total += brightness * dr.select(intensity > 0, cos * intensity, 0)
+        undecided |= unsure
+        j += 1
+    return total, undecided
+
+
+def _add_refraction(world: World, ray: Ray, collision: Collision, material: Material, cos1, met):
+    """Section 4.3.3, pairwise with air: which medium the ray comes from follows from its side (decision R1)."""
+    T, n = material.transparency, material.refractive_index
+    leaving = ray.sides.test(collision.hit.index)
+    n1, n2 = dr.select(leaving, n, 1), dr.select(leaving, 1, n)
+    refraction = refract(ray.d, collision.normal, cos1, n1, n2, world.scene.tracing.refraction == "as_printed")
+    # total internal reflection keeps the weight T; the direction it shares with the reflection is traced once (R3)
+    collision.reflected_weight += dr.select(met & refraction.total, T, 0)
+    collision.refracted_weight = dr.select(met & ~refraction.total, T, 0)
+    collision.refracted = dr.normalize(refraction.direction)
+    collision.refracted_sides = ray.sides.flipped(dr.select(met, collision.hit.index, 0))

@@ -1,0 +1,18 @@
+"""The surfaces of section 7.1 and the user's own: one file, one surface, one function f(x, y, z).
+
+To add a surface: write a file like sphere.py and list its class in KINDS. Scene files, methods, meshes and exports
+then know it.
+"""
+
+from .ellipsoid import Ellipsoid
+from .expression import Expression
+from .heart import Heart
+from .paraboloid import Paraboloid
+from .plane import Plane
+from .sphere import Sphere
+from .surface import Box, Surface
+from .torus import Torus
+
+KINDS: tuple[type[Surface], ...] = (Plane, Sphere, Ellipsoid, Torus, Paraboloid, Heart, Expression)
+
+__all__ = ["KINDS", "Box", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere", "Surface", "Torus"]

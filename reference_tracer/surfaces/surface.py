@@ -1,0 +1,82 @@
+"""What every surface is: one function f(x, y, z), and the few facts that cannot be derived from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+LARGEST_COORDINATE = 1e6  # beyond it fp64 has no digits left for surface detail of size 1e-9
+
+Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE)]
+Length = Annotated[float, Field(allow_inf_nan=False, gt=1e-6, le=LARGEST_COORDINATE)]
+Vector = tuple[Finite, Finite, Finite]
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+class Surface(BaseModel):
+    """The zero set of f(x, y, z) and the solid f < 0 inside it.
+
+    f is written in the surface's own frame, whose origin is `center`: the printed equations of section 7.1 with
+    x - x0 written as x. A subclass gives f as a static method of the coordinates and of its parameters, coordinates
+    on the left of parameters in every operation (an interval may stand only on the left of a Dr.Jit array).
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    type: str
+    center: Vector = Field((0.0, 0.0, 0.0), description="(x0, y0, z0), the origin of the surface's own frame")
+    inside: Literal["negative", "positive"] = Field(
+        "negative", description="the sign of f inside the solid; zero is always outside")
+
+    title: ClassVar[str]
+    equation: ClassVar[str]
+    polynomial_degree: ClassVar[int | None] = None  # of f, where f is a polynomial
+
+    @staticmethod
+    def f(x, y, z, **parameters):
+        raise NotImplementedError
+
+    @property
+    def function(self) -> Callable:
+        """f(x, y, z, **parameters) on any number type."""
+        return type(self).f
+
+    @property
+    def regular_form(self) -> Callable:
+        """A function with the zeros and the signs of f whose gradient does not vanish where grad f does.
+
+        It is f itself for every regular surface. Normals and safeguarded roots are computed from it.
+        """
+        return self.function
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The numbers f takes beside the coordinates, under the symbols of section 7.1."""
+        own = set(type(self).model_fields) - set(Surface.model_fields)
+        return {name: getattr(self, name) for name in type(self).model_fields if name in own}
+
+    @property
+    def family(self) -> str:
+        """Surfaces of one family share f and differ in parameters only: a kernel evaluates a family in one loop."""
+        return self.type
+
+    @property
+    def degree(self) -> int | None:
+        """The degree of f where f is a polynomial in x, y, z, else None."""
+        return self.polynomial_degree
+
+    def box(self) -> Box | None:
+        """Corners (low, high), in the surface's own frame, of a box outside which f has one sign; None if unbounded."""
+        return None
+
+    def __call__(self, x, y, z):
+        """f at points of the surface's own frame, the sign flipped where `inside` says so."""
+        value = self.function(x, y, z, **self.parameters)
+        return -value if self.inside == "positive" else value
+
+    def regular(self, x, y, z):
+        """The regular form at points of the surface's own frame, signed as `__call__`."""
+        value = self.regular_form(x, y, z, **self.parameters)
+        return -value if self.inside == "positive" else value

@@ -1,0 +1,294 @@
+"""A scene as kernels see it: tables of numbers, one loop for each family of surfaces.
+
+Objects that share f are rows of one table and are visited by one loop inside the kernel. A kernel therefore depends
+on which families, lights and materials a scene uses, not on how many objects there are or where they stand: one
+hundred spheres compile like one, and the figures of the document share their kernels.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import drjit as dr
+import numpy as np
+
+from . import first_hit
+from .backend import Backend
+from .first_hit import LocalRay, Solid
+from .numbers import Dual
+from .rays import Hit, Ray, Sides
+from .scene.model import Object, Rotation, Scene
+
+BOX_MARGIN = 1e-6  # relative; keeps crossings on the box's own faces, where a sphere touches it, inside
+
+
+def rotation_matrix(rotation: Rotation | None) -> np.ndarray:
+    """The (3, 3) matrix that turns the surface's own frame into the world (Rodrigues' formula)."""
+    if rotation is None:
+        return np.eye(3)
+    k = np.array(rotation.axis) / np.linalg.norm(rotation.axis)
+    turns = rotation.degrees / 90.0
+    if turns == int(turns):  # quarter turns exactly: cos(90 degrees) must be 0, not 6e-17
+        cos, sin = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(turns) % 4]
+    else:
+        cos, sin = math.cos(math.radians(rotation.degrees)), math.sin(math.radians(rotation.degrees))
+    cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
+    return cos * np.eye(3) + sin * cross + (1 - cos) * np.outer(k, k)
+
+
+def is_inside(obj: Object, point) -> bool:
+    """Whether `point` (world space) lies inside the object: f < 0 (decision O1). The side of a camera ray (M3)."""
+    local = rotation_matrix(obj.rotation).T @ (np.asarray(point, float) - np.array(obj.surface.center))
+    return bool(obj.surface(*local.tolist()) < 0)
+
+
+@dataclass
+class Member:
+    """One object of a family in every lane: its place, its parameters and its solid."""
+
+    index: object  # UInt, the object in scene order
+    center: object  # Vector
+    rotation: list | None  # three columns (Vector) of the rotation matrix, or None for the identity
+    solid: Solid
+
+    def local(self, o, d) -> LocalRay:
+        return LocalRay(self._into(o - self.center), self._into(d))
+
+    def _into(self, v):
+        return v if self.rotation is None else type(v)(*(dr.dot(column, v) for column in self.rotation))
+
+    def normal_at(self, point):
+        """The gradient of the regular form at `point`, in world space, not normalised (decision N1)."""
+        g = self.solid.regular(*Dual.axes(self._into(point - self.center)))
+        gradient = type(point)(*(g.derivative(k) for k in range(3)))
+        if self.rotation is None:
+            return gradient
+        return sum((column * gradient[k] for k, column in enumerate(self.rotation[1:], 1)),
+                   self.rotation[0] * gradient[0])
+
+
+class Family:
+    """The objects of a scene that share one f, as a table; row j holds the numbers of the j-th of them."""
+
+    def __init__(self, arrays: Backend, indices: list[int], objects: list[Object], method):
+        surface = objects[0].surface
+        self.arrays, self.method = arrays, method
+        self.indices = indices
+        self.function, self.regular_form = surface.function, surface.regular_form
+        self.degree = surface.degree
+        self.parameters = tuple(surface.parameters)
+        self.rotated = any(o.rotation is not None for o in objects)
+        self.bounded = all(o.surface.box() is not None for o in objects)
+        self.flipped = any(o.surface.inside == "positive" for o in objects)
+
+        rows = [self._row(o) for o in objects]
+        self.width = len(rows[0])
+        self.table = arrays.Float(np.array(rows, dtype=float).ravel().tolist())
+        self.index_of_row = arrays.UInt(indices)
+        self.count = arrays.count(len(objects))
+        dr.make_opaque(self.table, self.index_of_row)
+
+    def _row(self, obj: Object) -> list[float]:
+        surface = obj.surface
+        row = [*surface.center, *surface.parameters.values()]
+        if self.rotated:
+            row += rotation_matrix(obj.rotation).T.ravel().tolist()
+        if self.bounded:
+            low, high = (np.array(corner) for corner in surface.box())
+            margin = BOX_MARGIN * (high - low)
+            row += [*(low - margin), *(high + margin)]
+        if self.flipped:
+            row += [-1.0 if surface.inside == "positive" else 1.0]
+        return row
+
+    def member(self, j, active=True) -> Member:
+        """Row `j` (UInt array) of the table."""
+        arrays = self.arrays
+        cursor = iter(range(self.width))
+        number = lambda: dr.gather(arrays.Float, self.table, j * self.width + next(cursor), active)
+        vector = lambda: arrays.Vector(number(), number(), number())
+
+        center = vector()
+        parameters = {name: number() for name in self.parameters}
+        rotation = [vector(), vector(), vector()] if self.rotated else None
+        box = (vector(), vector()) if self.bounded else None
+        sign = number() if self.flipped else None
+
+        def signed(form):
+            if sign is None:
+                return lambda x, y, z: form(x, y, z, **parameters)
+            return lambda x, y, z: form(x, y, z, **parameters) * sign
+
+        far_inside = arrays.Bool(False) if sign is None else sign < 0
+        solid = Solid(signed(self.function), signed(self.regular_form), self.degree, box, far_inside)
+        return Member(dr.gather(arrays.UInt, self.index_of_row, j, active), center, rotation, solid)
+
+
+@dataclass
+class Material:
+    """Section 3, gathered for every lane; what no object of the scene uses is None and costs nothing."""
+
+    color: object  # Vector
+    reflection: object | None  # Float
+    transparency: object | None  # Float
+    refractive_index: object | None  # Float
+
+
+class World:
+    """A scene bound to array types and to a first-hit method; `nearest`, `normal`, `light_through` are its queries."""
+
+    def __init__(self, scene: Scene, method: str, arrays: Backend):
+        self.scene, self.arrays, self.method = scene, arrays, method
+        self.object_count = len(scene.objects)
+        groups: dict[str, list[int]] = {}
+        for index, obj in enumerate(scene.objects):
+            groups.setdefault(obj.surface.family, []).append(index)
+        self.families = [
+            Family(arrays, indices, [scene.objects[i] for i in indices],
+                   first_hit.choose(method, scene.objects[indices[0]].surface, scene.tracing, arrays))
+            for _, indices in sorted(groups.items())]  # sorted: scenes with the same families share kernels
+
+        materials = [o.material for o in scene.objects]
+        self.reflective = any(m.reflection > 0 for m in materials)
+        self.transparent = any(m.transparency > 0 for m in materials)
+        self.max_distance = arrays.constant(scene.tracing.max_distance)
+        self.background = [arrays.constant(c) for c in scene.background]
+        self.light_count = arrays.count(len(scene.lights))
+
+    # --- tables ----------------------------------------------------------------------------------------------------
+    def _column(self, values):
+        column = self.arrays.Float(list(values))
+        dr.make_opaque(column)
+        return column
+
+    @cached_property
+    def _material_columns(self):
+        rows = [o.material for o in self.scene.objects]
+        return ([self._column(m.color[k] for m in rows) for k in range(3)],
+                *(self._column(getattr(m, name) for m in rows)
+                  for name in ("reflection", "transparency", "refractive_index")))
+
+    @cached_property
+    def _place_of_object(self):
+        """For every object its family and its row there."""
+        family, row = [0] * self.object_count, [0] * self.object_count
+        for k, f in enumerate(self.families):
+            for j, index in enumerate(f.indices):
+                family[index], row[index] = k, j
+        columns = self.arrays.UInt(family), self.arrays.UInt(row)
+        dr.make_opaque(columns)
+        return columns
+
+    @cached_property
+    def _light_columns(self):
+        """Positions and brightnesses, three columns each."""
+        return [[self._column(getattr(light, name)[k] for light in self.scene.lights) for k in range(3)]
+                for name in ("position", "brightness")]
+
+    def light(self, j):
+        """Position and brightness (Vectors) of light `j`."""
+        pick = lambda columns: self.arrays.Vector(*(dr.gather(self.arrays.Float, c, j) for c in columns))
+        position, brightness = self._light_columns
+        return pick(position), pick(brightness)
+
+    def material(self, index, active) -> Material:
+        color, reflection, transparency, refractive_index = self._material_columns
+        pick = lambda column: dr.gather(self.arrays.Float, column, index, active)
+        return Material(self.arrays.Vector(*map(pick, color)),
+                        pick(reflection) if self.reflective else None,
+                        pick(transparency) if self.transparent else None,
+                        pick(refractive_index) if self.transparent else None)
+
+    def camera_sides(self) -> Sides:
+        """The side of every object the camera is on: the sign of f at its position (decision M3)."""
+        return Sides.from_flags(self.arrays.Bits,
+                                [is_inside(o, self.scene.camera.position) for o in self.scene.objects])
+
+    @cached_property
+    def _generations(self):
+        return [self.arrays.count(k) for k in range(self.scene.tracing.max_depth + 1)]
+
+    def generation(self, k: int):
+        """The number `k` of a generation, as kernels read it."""
+        return self._generations[k]
+
+    # --- queries ---------------------------------------------------------------------------------------------------
+    def nearest(self, ray: Ray) -> Hit:
+        """The first crossing of each ray with any object within max_distance (decisions M1, M4, M5)."""
+        Float, UInt, Bool = self.arrays.Float, self.arrays.UInt, self.arrays.Bool
+        usable = dr.isfinite(dr.squared_norm(ray.d))
+        hit = Hit(t=Float(math.inf), order=dr.select(usable, self.max_distance, 0),
+                  index=UInt(self.object_count), undecided=~usable)
+        for family in self.families:
+            hit = self._nearest_of(family, ray, hit)
+        return hit
+
+    @dr.syntax
+    def _nearest_of(self, family: Family, ray: Ray, hit: Hit) -> Hit:
+        t, order, index, undecided = hit.t, hit.order, hit.index, hit.undecided
+        j = self.arrays.UInt(0)
+        while j < family.count:
+            member = family.member(j)
+            c = family.method.first(member.solid, member.local(ray.o, ray.d), ray.sides.test(member.index), order)
+            closer = c.found & ((c.order < order) | ((c.order == order) & (c.t < t)))
+            t = dr.select(closer, c.t, t)
+            order = dr.select(closer, c.order, order)
+            index = dr.select(closer, member.index, index)
+            undecided |= c.undecided
+            j += 1
+        return Hit(t, order, index, undecided)
+
+    def normal(self, point, index, active):
+        """grad f at `point` of object `index`, normalised; not yet turned against the ray."""
+        family_of, row_of = (dr.gather(self.arrays.UInt, column, index, active) for column in self._place_of_object)
+        gradient = None
+        for k, family in enumerate(self.families):
+            here = family_of == k
+            own = family.member(row_of, active & here).normal_at(point)
+            gradient = own if gradient is None else dr.select(here, own, gradient)
+        return gradient / dr.norm(gradient)
+
+    def light_through(self, ray: Ray, distance, active):
+        """The part of a light's intensity that reaches the ray's origin from `distance` away (section 4.3.1, L3).
+
+        Every crossing multiplies by the transparency of the object crossed. Returns (Float, Bool undecided).
+        """
+        intensity = dr.select(active, self.arrays.Float(1), 0)
+        undecided = self.arrays.Bool(False)
+        for family in self.families:
+            intensity, undecided = self._light_through_family(family, ray, distance, intensity, undecided)
+        return intensity, undecided
+
+    @dr.syntax
+    def _light_through_family(self, family: Family, ray: Ray, distance, intensity, undecided):
+        j = self.arrays.UInt(0)
+        while j < family.count:
+            member = family.member(j)
+            # light that is gone already needs no more tests
+            limit = dr.select(intensity > 0, distance, 0)
+            intensity, unsure = self._dimmed_by(family, member, ray, limit, intensity)
+            undecided |= unsure
+            j += 1
+        return intensity, undecided
+
+    def _dimmed_by(self, family: Family, member: Member, ray: Ray, limit, intensity):
+        if self.transparent:
+            transparency = dr.gather(self.arrays.Float, self._material_columns[2], member.index)
+            opaque = transparency == 0
+        else:
+            opaque = self.arrays.Bool(True)
+        count, unsure = family.method.crossings(member.solid, member.local(ray.o, ray.d),
+                                                ray.sides.test(member.index), limit, opaque)
+        if self.transparent:
+            return _multiply_repeatedly(intensity, transparency, count), unsure
+        return dr.select(count > 0, 0, intensity), unsure
+
+
+@dr.syntax
+def _multiply_repeatedly(value, factor, times):
+    while times > 0:
+        value *= factor
+        times -= 1
+    return value
