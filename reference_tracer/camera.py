@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,8 +20,12 @@ class Frame:
     v_x: np.ndarray
     v_y: np.ndarray
     ratio: float
-    width: int
-    height: int
+    width: float
+    height: float
+
+    def mapped(self, number: Callable) -> Frame:
+        """The same frame with its scalars as another number type."""
+        return replace(self, ratio=number(self.ratio), width=number(self.width), height=number(self.height))
 
 
 def frame(camera: Camera) -> Frame:

@@ -82,13 +82,13 @@ def _render_band(world: World, sides: Sides, first: int, count: int, samples: in
     rays = film.rays
     if samples > 1:  # the geometry planes belong to the pixel's centre
         centres = camera_wave(world, sides, first, count, 1)
-        collision_film, primary = _primary_only(world, centres)
+        primary = _primary_only(world, centres)
         rays += len(centres)
     _store(film, primary, world.object_count, per_pixel, slice(first, first + count), planes)
     return rays
 
 
-def _primary_only(world: World, wave: Wave):
+def _primary_only(world: World, wave: Wave) -> Primary:
     hit = world.nearest(wave.ray)
     met = hit.index < world.object_count
     point = dr.fma(wave.ray.d, dr.select(met, hit.t, 0), wave.ray.o)
@@ -96,7 +96,7 @@ def _primary_only(world: World, wave: Wave):
     normal = dr.select(dr.dot(wave.ray.d, normal) > 0, -normal, normal)
     primary = Primary(dr.select(met, hit.t, dr.inf), point, normal, hit.index)
     dr.eval(primary)
-    return None, primary
+    return primary
 
 
 def camera_wave(world: World, sides: Sides, first: int, count: int, samples: int) -> Wave:
@@ -107,11 +107,12 @@ def camera_wave(world: World, sides: Sides, first: int, count: int, samples: int
     lane = dr.arange(arrays.UInt, max(count * per_pixel, 2))
     slot = dr.minimum(lane // per_pixel, arrays.count(count - 1))
     sample, pixel = lane % per_pixel, slot + arrays.count(first)
-    x, y = canvas_point(f, arrays.Float(pixel // f.width), arrays.Float(pixel % f.width),
+    width = arrays.count(f.width)
+    x, y = canvas_point(f.mapped(arrays.constant), arrays.Float(pixel // width), arrays.Float(pixel % width),
                         arrays.Float(sample // samples), arrays.Float(sample % samples), samples)
-    v_x, v_y, v_dir = (arrays.Vector(*v.tolist()) for v in (f.v_x, f.v_y, f.v_dir))
+    v_x, v_y, v_dir, v_pos = (arrays.vector(v.tolist()) for v in (f.v_x, f.v_y, f.v_dir, f.v_pos))
     d = dr.normalize(x * v_x + y * v_y + v_dir)
-    o = arrays.Vector(*f.v_pos.tolist()) + dr.zeros(arrays.Vector, dr.width(lane))
+    o = v_pos + dr.zeros(arrays.Vector, dr.width(lane))
     every = Sides([word + dr.zeros(arrays.Bits, dr.width(lane)) for word in sides.words])
     # a band of one ray is padded with a second of weight 0, see wavefront
     weight = dr.select(lane < arrays.count(count * per_pixel), arrays.Float(1), 0)

@@ -16,6 +16,8 @@ from .shading import Collision, collide
 from .world import World
 
 MOST_RAYS = 1 << 19  # about 130 MB of queues and intermediate results
+REFRACTED = 1 << 31  # marks a refraction ray in a queue
+NO_RAY = (1 << 32) - 1  # pads a queue
 
 
 @dataclass
@@ -50,19 +52,28 @@ class Film:
     undecided: object  # UInt, 1 where any ray was undecided
     rays: int = 0
 
+    # Direct: the default mode depends on the film's size, and kernels with it
+    def add(self, wave: Wave, color) -> None:
+        dr.scatter_add(self.color, color * wave.weight, wave.slot, mode=dr.ReduceMode.Direct)
+
+    def note(self, wave: Wave, undecided, generation) -> None:
+        UInt = type(self.undecided)
+        for plane, value in ((self.undecided, dr.select(undecided, UInt(1), 0)), (self.generation, generation)):
+            dr.scatter_reduce(dr.ReduceOp.Max, plane, value, wave.slot, mode=dr.ReduceMode.Direct)
+
 
 def trace(world: World, wave: Wave, slots: int) -> tuple[Film, Primary]:
     """Traces `wave` and all its descendants. The first wave must not exceed MOST_RAYS and yields the primary hits."""
     arrays = world.arrays
     film = Film(dr.zeros(arrays.Vector, slots), dr.zeros(arrays.UInt, slots), dr.zeros(arrays.UInt, slots))
+    dr.make_opaque(film.color, film.generation, film.undecided)
     primary, waves = None, [wave]
     while waves:
         wave = waves.pop()
         film.rays += len(wave)
         collision = collide(world, wave.ray, active=wave.weight > 0)
-        dr.scatter_add(film.color, collision.color * wave.weight, wave.slot)
-        dr.scatter_reduce(dr.ReduceOp.Max, film.undecided, dr.select(collision.undecided, arrays.UInt(1), 0), wave.slot)
-        dr.scatter_reduce(dr.ReduceOp.Max, film.generation, world.generation(wave.generation), wave.slot)
+        film.add(wave, collision.color)
+        film.note(wave, collision.undecided, world.generation(wave.generation))
         if primary is None:
             primary = Primary(dr.select(collision.hit.index < world.object_count, collision.hit.t, dr.inf),
                               collision.point, collision.normal, collision.hit.index)
@@ -73,33 +84,52 @@ def trace(world: World, wave: Wave, slots: int) -> tuple[Film, Primary]:
 
 def _secondary_waves(world: World, wave: Wave, collision: Collision, film: Film) -> list[Wave]:
     """The reflection and refraction rays of `wave`; beyond max_depth they see the background (decision D1)."""
-    last = wave.generation == world.scene.tracing.max_depth
-    children = []
-    for direction, weight, sides in (
-            (collision.reflected, collision.reflected_weight, wave.ray.sides),
-            (collision.refracted, collision.refracted_weight, collision.refracted_sides)):
-        if weight is None:
-            continue
-        if last:
-            if any(world.scene.background):
-                dr.scatter_add(film.color, world.arrays.Vector(*world.background) * (wave.weight * weight), wave.slot)
-            continue
-        chosen = dr.compress(weight > 0)
-        for start in range(0, dr.width(chosen), MOST_RAYS):
-            children.append(_gathered(world, wave, collision, direction, weight, sides, chosen, start))
-    return children
+    kinds = [(weight, refracts) for weight, refracts in
+             ((collision.reflected_weight, False), (collision.refracted_weight, True)) if weight is not None]
+    if wave.generation == world.scene.tracing.max_depth:
+        if any(world.scene.background):
+            for weight, _ in kinds:
+                film.add(wave, world.arrays.Vector(*world.background) * weight)
+        return []
+    chosen = [(dr.compress(weight > 0), refracts) for weight, refracts in kinds]
+    queue = _queue(world, chosen)
+    return [_gathered(world, wave, collision, queue, start) for start in range(0, dr.width(queue), MOST_RAYS)]
 
 
-def _gathered(world, wave, collision, direction, weight, sides, chosen, start) -> Wave:
+def _queue(world: World, chosen):
+    """The rows of reflection rays, then those of refraction rays with REFRACTED added, in one array."""
+    UInt = world.arrays.UInt
+    lengths = [dr.width(rows) for rows, _ in chosen]
+    if not sum(lengths):
+        return UInt()
+    # a queue of one ray would be taken for a constant and compile kernels of its own: pad it with one that is NO_RAY
+    queue = dr.full(UInt, NO_RAY, max(sum(lengths), 2))
+    start = 0
+    for (rows, refracts), length in zip(chosen, lengths):
+        if length:
+            dr.scatter(queue, rows | (REFRACTED if refracts else 0),
+                       dr.arange(UInt, length) + world.arrays.count(start))
+        start += length
+    dr.eval(queue)
+    return queue
+
+
+def _gathered(world: World, wave: Wave, collision: Collision, queue, start: int) -> Wave:
+    """The rays that `queue` lists from `start` on, at most MOST_RAYS of them."""
     arrays = world.arrays
-    count = min(MOST_RAYS, dr.width(chosen) - start)
-    # a queue of one ray would be taken for a constant and compile kernels of its own: pad it with a ray of weight 0
-    lane = dr.arange(arrays.UInt, max(count, 2))
-    active = lane < arrays.count(count)
-    index = dr.gather(arrays.UInt, chosen, lane + arrays.count(start), active)
-    pick = lambda kind, value: dr.gather(kind, value, index, active)
-    child = Wave(wave.generation + 1,
-                 Ray(pick(arrays.Vector, collision.point), pick(arrays.Vector, direction), sides.gather(index, active)),
-                 pick(arrays.Float, wave.weight) * pick(arrays.Float, weight), pick(arrays.UInt, wave.slot))
+    lane = dr.arange(arrays.UInt, max(min(MOST_RAYS, dr.width(queue) - start), 2)) + arrays.count(start)
+    entry = dr.select(lane < arrays.count(dr.width(queue)), dr.gather(arrays.UInt, queue, lane), NO_RAY)
+    active = entry != NO_RAY
+    row = entry & (REFRACTED - 1)
+    pick = lambda kind, value: dr.gather(kind, value, row, active)
+    d, weight = pick(arrays.Vector, collision.reflected), pick(arrays.Float, collision.reflected_weight)
+    sides = wave.ray.sides.gather(row, active)
+    if collision.refracted is not None:
+        through = (entry & REFRACTED) != 0
+        d = dr.select(through, pick(arrays.Vector, collision.refracted), d)
+        weight = dr.select(through, pick(arrays.Float, collision.refracted_weight), weight)
+        sides = Sides.select(through, collision.refracted_sides.gather(row, active), sides)
+    child = Wave(wave.generation + 1, Ray(pick(arrays.Vector, collision.point), d, sides),
+                 dr.select(active, pick(arrays.Float, wave.weight) * weight, 0), pick(arrays.UInt, wave.slot))
     dr.eval(child.ray.o, child.ray.d, child.ray.sides.words, child.weight, child.slot)
     return child

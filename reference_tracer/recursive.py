@@ -1,0 +1,172 @@
+"""The tracer as the document tells it: one recursive function, in NumPy. Slow, short, and the oracle of the fast one.
+
+Every array holds one entry for each of n rays; `inside` is (n, objects). Nothing here is shared with the wavefront
+tracer but the surfaces' f and the camera's frame: no tables, no boxes, no queues, no Dr.Jit. How rays find what they
+meet is a `Search`; `LiteralSearch` is sections 4.1 and 4.2 word for word.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from .camera import canvas_point, frame
+from .numbers import Dual
+from .scene.model import Object, Scene
+from .world import is_inside, rotation_matrix
+
+
+class Search(Protocol):
+    """How rays find what they meet."""
+
+    def first_hit(self, o, d, inside):
+        """(t, index) of each ray's first hit; index -1 where there is none."""
+
+    def light_through(self, o, d, inside, distance):
+        """The product of the transparencies crossed on the way to a light at `distance`."""
+
+
+def render(scene: Scene, search: Search | None = None) -> np.ndarray:
+    """The colours of `scene`, (height, width, 3)."""
+    search = search or LiteralSearch(scene)
+    samples, width, height = scene.tracing.samples, scene.camera.width, scene.camera.height
+    row, col = (plane.ravel().astype(float) for plane in np.mgrid[:height, :width])
+    camera = frame(scene.camera)
+    inside = np.array([is_inside(obj, camera.v_pos) for obj in scene.objects])
+    total = np.zeros((width * height, 3))
+    for sample_row in range(samples):
+        for sample_col in range(samples):
+            x, y = canvas_point(camera, row, col, sample_row, sample_col, samples)
+            d = _normalize(x[:, None] * camera.v_x + y[:, None] * camera.v_y + camera.v_dir)
+            o = np.broadcast_to(camera.v_pos, d.shape)
+            total += point_color(scene, search, o, d, np.broadcast_to(inside, (len(d), len(inside))), depth=0)
+    return (total / samples**2).reshape(height, width, 3)
+
+
+def point_color(scene: Scene, search: Search, o, d, inside, depth: int) -> np.ndarray:
+    """Section 4.3: the colour each ray brings back, (n, 3)."""
+    color = np.tile(np.array(scene.background), (len(d), 1))
+    if depth > scene.tracing.max_depth:
+        return color
+    t, index = search.first_hit(o, d, inside)
+    for k, obj in enumerate(scene.objects):
+        here = np.flatnonzero(index == k)
+        if len(here):
+            color[here] = _color_on(scene, search, obj, k, o[here], d[here], inside[here], t[here], depth)
+    return color
+
+
+def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, depth):
+    """Section 4.3 where rays meet object `k`."""
+    point = o + t[:, None] * d
+    normal = _normal(obj, point)
+    normal = np.where(_dot(d, normal) > 0, -normal, normal)
+    cos1 = np.minimum(-_dot(d, normal), 1)
+    m = obj.material
+
+    illumination = np.zeros_like(point)
+    for light in scene.lights:  # section 4.3.1
+        distance = np.linalg.norm(light.position - point, axis=-1, keepdims=True)
+        shadow_dir = (light.position - point) / distance
+        cos = _dot(shadow_dir, normal)
+        lit = np.flatnonzero(cos[:, 0] > 0)
+        intensity = search.light_through(point[lit], shadow_dir[lit], inside[lit], distance[lit, 0])
+        illumination[lit] += cos[lit] * np.array(light.brightness) * intensity[:, None]
+    visible = np.array(m.color) * illumination
+
+    follow = lambda which, direction, sides: point_color(
+        scene, search, point[which], _normalize(direction[which]), sides[which], depth + 1)
+    everywhere = np.ones(len(d), bool)
+
+    reflection_dir = d + 2 * normal * cos1  # section 4.3.2
+    reflected, refracted = np.zeros_like(visible), np.zeros_like(visible)
+    if m.reflection > 0:
+        reflected = follow(everywhere, reflection_dir, inside)
+
+    if m.transparency > 0:  # section 4.3.3
+        leaving = inside[:, [k]]
+        n1, n2 = np.where(leaving, m.refractive_index, 1.0), np.where(leaving, 1.0, m.refractive_index)
+        sin1 = np.sqrt(np.maximum(1 - cos1**2, 0))
+        total = (sin1 > n2 / n1)[:, 0]
+        if total.any():
+            refracted[total] = reflected[total] if m.reflection > 0 else follow(total, reflection_dir, inside)
+        with np.errstate(invalid="ignore"):
+            sin2 = sin1 * (n2 / n1 if scene.tracing.refraction == "as_printed" else n1 / n2)
+            cos2 = np.sqrt(1 - sin2**2)
+            refraction_dir = (d + normal * cos1) * (n1 / n2) - normal * cos2
+        through = inside.copy()
+        through[:, k] ^= True
+        refracted[~total] = follow(~total, refraction_dir, through)
+
+    R, T = m.reflection, m.transparency  # section 4.3.4
+    return (visible * (1 - R) + reflected * R) * (1 - T) + refracted * T
+
+
+class LiteralSearch:
+    """Sections 4.1 and 4.2: every object is evaluated at every step, all signs are compared, Newton refines."""
+
+    def __init__(self, scene: Scene):
+        self.scene, self.tracing = scene, scene.tracing
+        self.frames = [(rotation_matrix(o.rotation), np.array(o.surface.center), o.surface) for o in scene.objects]
+
+    def _signs(self, o, d, t):
+        """f < 0 of every object at o + t d, (n, objects); what is not finite counts as outside (M7)."""
+        with np.errstate(all="ignore"):
+            return np.stack([surface(*((o - c + t[:, None] * d) @ R).T) < 0 for R, c, surface in self.frames], axis=-1)
+
+    def first_hit(self, o, d, inside):
+        t_hit, index = np.full(len(d), np.inf), np.full(len(d), -1)
+        waiting, limit = np.arange(len(d)), np.full(len(d), self.tracing.max_distance)
+        step = 0
+        while len(waiting):
+            step += 1
+            before, t = (step - 1) * self.tracing.step_size, np.minimum(step * self.tracing.step_size, limit[waiting])
+            changed = self._signs(o[waiting], d[waiting], t) != inside[waiting]
+            for k in np.flatnonzero(changed.any(axis=0)):  # refine each, the smallest t wins (M4)
+                rays = waiting[changed[:, k]]
+                root = self._newton(k, o[rays], d[rays], 0.5 * (before + t[changed[:, k]]))
+                closer = root < t_hit[rays]
+                t_hit[rays[closer]], index[rays[closer]] = root[closer], k
+            waiting = waiting[~changed.any(axis=1) & (t < limit[waiting])]
+        return t_hit, index
+
+    def _newton(self, k, o, d, t):
+        rotation, center, surface = self.frames[k]
+        origin, direction = ((o - center) @ rotation).T, (d @ rotation).T
+        active = np.ones(len(t), bool)
+        for _ in range(self.tracing.max_iterations):
+            with np.errstate(all="ignore"):
+                g = surface(*Dual.along(origin + t * direction, direction))
+                dt = np.where(active, g.value / g.derivative(), 0.0)
+            active &= np.isfinite(dt)
+            t = np.where(active, t - dt, t)
+            active &= np.abs(dt) > self.tracing.tolerance * np.maximum(1, np.abs(t))
+        return t
+
+    def light_through(self, o, d, inside, distance):
+        transparency = np.array([obj.material.transparency for obj in self.scene.objects])
+        intensity, sides = np.ones(len(d)), inside
+        if not len(d):
+            return intensity
+        for step in range(1, 1 + int(np.ceil(distance.max() / self.tracing.step_size))):
+            signs = self._signs(o, d, np.minimum(step * self.tracing.step_size, distance))
+            intensity = intensity * np.prod(np.where(signs != sides, transparency, 1.0), axis=-1)  # L3
+            sides = signs
+        return intensity
+
+
+def _normal(obj: Object, point):
+    """grad f, normalised (decision N1); from the regular form, see surfaces/heart.py."""
+    rotation = rotation_matrix(obj.rotation)
+    g = obj.surface.regular(*Dual.axes(tuple(((point - np.array(obj.surface.center)) @ rotation).T)))
+    return _normalize(np.stack([np.broadcast_to(g.derivative(i), len(point)) for i in range(3)], axis=-1) @ rotation.T)
+
+
+def _dot(a, b):
+    return np.sum(a * b, axis=-1, keepdims=True)
+
+
+def _normalize(v):
+    with np.errstate(invalid="ignore"):
+        return v / np.linalg.norm(v, axis=-1, keepdims=True)
