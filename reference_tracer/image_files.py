@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import zipfile
 from importlib.metadata import version
 from pathlib import Path
 
@@ -21,16 +23,29 @@ def metadata(picture: Picture) -> dict:
             "tracing": picture.scene.tracing.model_dump(mode="json")}
 
 
-def save(picture: Picture, path: str | Path) -> None:
-    """Writes `picture` in the format its suffix names. Raises InputError for another suffix or an unwritable place."""
-    path = Path(path)
-    writer = {".png": save_png, ".exr": save_exr, ".npz": save_npz}.get(path.suffix.lower())
-    if writer is None:
+def require_writable(path: Path) -> None:
+    """Raises InputError unless a picture can be written to `path`: a known suffix, an existing folder, no folder itself."""
+    if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"{path}: the output must end in one of {', '.join(SUFFIXES)}")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
+    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise InputError(f"{path}: cannot be written; choose another file")
+
+
+def save(picture: Picture, path: str | Path) -> None:
+    """Writes `picture` in the format its suffix names; a failed write leaves no file. Raises InputError."""
+    path = Path(path)
+    require_writable(path)
+    writer = {".png": save_png, ".exr": save_exr, ".npz": save_npz}[path.suffix.lower()]
+    part = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
-        writer(picture, path)
+        writer(picture, part)
+        os.replace(part, path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def to_8_bit(color: np.ndarray) -> np.ndarray:
@@ -57,9 +72,12 @@ def save_exr(picture: Picture, path: Path) -> None:
 
 def save_npz(picture: Picture, path: Path) -> None:
     """All planes in full precision, and the metadata as a JSON text; `load_npz` reads it back."""
-    with path.open("wb") as file:
-        np.savez_compressed(file, metadata=json.dumps(metadata(picture)),
-                            **{name: getattr(picture, name) for name in PLANES})
+    arrays = {"metadata": np.array(json.dumps(metadata(picture))), **{name: getattr(picture, name) for name in PLANES}}
+    # what numpy.savez_compressed writes, at zlib's fastest level: three times as fast for a tenth more bytes
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
+                np.lib.format.write_array(file, array, allow_pickle=False)
 
 
 def load_npz(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:

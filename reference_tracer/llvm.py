@@ -17,9 +17,12 @@ REMEDY = (f"install karellen-llvm-core (pip install karellen-llvm-core), or poin
           f"of version {OLDEST} or later")
 
 
+chosen_by_user = bool(os.environ.get(VARIABLE))
+
+
 def choose() -> str | None:
     """Points Dr.Jit at a usable libLLVM unless the user chose one; returns its path, or None where there is none."""
-    if not os.environ.get(VARIABLE):
+    if not chosen_by_user:
         found = find()
         if found:
             os.environ[VARIABLE] = str(found)

@@ -51,7 +51,7 @@ def parse_scene(data: bytes, source: str = "scene") -> Scene:
     try:
         return Scene.model_validate_json(text.lstrip("\ufeff"))
     except ValidationError as error:
-        raise InputError(f"{source}: {_one_line(error)}") from None
+        raise InputError(f"{source}: {one_line(error)}") from None
 
 
 class _Refused(Exception):
@@ -111,7 +111,8 @@ _REMEDY = {
 }
 
 
-def _one_line(error: ValidationError) -> str:
+def one_line(error: ValidationError) -> str:
+    """What is wrong with a scene, where, and what would be right, in one line."""
     faults = error.errors(include_url=False)
     # a list that lost an entry to another fault is not too short on its own account
     faults = [f for f in faults if f["type"] != "too_short"

@@ -1,0 +1,1 @@
+"""What runs renderers against each other and measures how far their pictures agree."""

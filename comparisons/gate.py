@@ -1,0 +1,61 @@
+"""From numbers to a verdict. A picture agrees when every gate holds; no score of the whole image can stand in for one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .results import Gate, Verdict
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far a kind of renderer may be from the truth, and why so far."""
+
+    name: str
+    because: str
+    depth_p99: float  # relative
+    color_p99: float
+    failing_share: float  # of all pixels: edges seen directly, in mirrors and through glass fall on other pixels
+    clustered_share: float  # of all pixels: whole neighbourhoods that fail are no edges
+    mismatch_share: float  # of all pixels: hit/miss or object, at silhouettes
+
+
+NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by 1e-6",
+                   depth_p99=5e-6, color_p99=5e-6, failing_share=2e-3, clustered_share=1e-4, mismatch_share=2e-3)
+MESH = Tolerance("meshes", "surfaces replaced by triangles, error falling with the square of the resolution",
+                 depth_p99=1e-4, color_p99=1e-3, failing_share=1e-2, clustered_share=1e-3, mismatch_share=5e-3)
+
+
+def judge(metrics: dict[str, float | int | None], tolerance: Tolerance) -> tuple[Verdict, str, list[Gate]]:
+    """The verdict on one comparison, the reason in one sentence, and the gates behind it."""
+    pixels = metrics["pixels"]
+    gates = [
+        _gate("not finite", metrics["not finite"], 0, "pixels", "pixels whose colour is NaN or infinite on either side"),
+        _gate("interior mismatches", metrics["interior mismatches"], 0, "pixels",
+              "pixels away from silhouettes where another object, or none, was hit"),
+        _gate("object mismatches", metrics["object mismatches"], round(tolerance.mismatch_share * pixels), "pixels",
+              "pixels where another object, or none, was hit; silhouettes included"),
+        _gate("depth p99", metrics["depth p99"], tolerance.depth_p99, "relative",
+              "99 % of interior pixels have a smaller relative error of depth"),
+        _gate("color p99", metrics["color p99"], tolerance.color_p99, "linear",
+              "99 % of all pixels have a smaller error of colour"),
+        _gate("failing pixels", metrics["failing pixels"], round(tolerance.failing_share * pixels), "pixels",
+              "pixels off by more than one step of an 8-bit picture"),
+        _gate("clustered failing pixels", metrics["clustered failing pixels"], round(tolerance.clustered_share * pixels),
+              "pixels", "failing pixels whose eight neighbours fail too: a region is wrong, not an edge"),
+    ]
+    broken = [gate for gate in gates if not gate.holds]
+    if broken:
+        worst = broken[0]
+        return "differs", (f"{worst.name} is {_shown(worst.value)}, {_shown(worst.limit)} is allowed"
+                           + (f"; {len(broken) - 1} more limits are exceeded" if len(broken) > 1 else "")), gates
+    return "agrees", f"every limit for {tolerance.name} holds ({tolerance.because})", gates
+
+
+def _gate(name: str, value, limit: float, unit: str, means: str) -> Gate:
+    # nothing to compare (no pixel hit, say) breaks no gate; NaN breaks every one
+    return Gate(name=name, value=value, limit=limit, holds=value is None or value <= limit, unit=unit, means=means)
+
+
+def _shown(value) -> str:
+    return "nothing" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.3g}"

@@ -1,0 +1,46 @@
+"""The renderers that can be compared: one file a renderer, found by its name here.
+
+To add a renderer: write a file with a function `render(scene, **settings) -> Picture` and an entry in RENDERERS. The
+picture's metadata tells `build`, `first` and `warm` seconds where the renderer has such phases.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from importlib import import_module
+
+from reference_tracer.errors import InputError
+from reference_tracer.render import Picture
+from reference_tracer.scene.model import Scene
+
+
+@dataclass(frozen=True)
+class Renderer:
+    """`module` is imported only in the process that runs the renderer."""
+
+    name: str
+    title: str
+    module: str
+    settings: dict = field(default_factory=dict)
+
+
+RENDERERS = {r.name: r for r in (
+    Renderer("exact", "reference, exact intersections", "reference", {"method": "exact"}),
+    Renderer("paper", "reference, the document's literal method", "reference", {"method": "paper"}),
+    Renderer("mitsuba-native", "Mitsuba 3, native shapes", "mitsuba", {"shapes": "native", "resolution": 256}),
+    Renderer("mitsuba-mesh", "Mitsuba 3, meshes", "mitsuba", {"shapes": "mesh", "resolution": 256}),
+)}
+
+
+def find(name: str) -> Renderer:
+    """The renderer called `name`. Raises InputError."""
+    if name not in RENDERERS:
+        raise InputError(f"unknown renderer {name!r}; choose one of {', '.join(RENDERERS)}")
+    return RENDERERS[name]
+
+
+def render(name: str, scene: Scene, settings: dict | None = None) -> Picture:
+    """The picture that renderer `name` makes of `scene`. Raises InputError, and UnsupportedError with a reason."""
+    renderer = find(name)
+    module = import_module(f"{__name__}.{renderer.module}")
+    return module.render(scene, **{**renderer.settings, **(settings or {})})

@@ -1,0 +1,167 @@
+"""The results document: one versioned JSON file that says everything a report shows, beside the runs' image planes.
+
+`results.json` and the folder `runs/` beside it are the whole interface between the comparisons and the reports.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from reference_tracer.errors import InputError
+
+VERSION = 1
+FILE = "results.json"
+RUNS = "runs"
+
+State = Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
+Verdict = Literal["agrees", "differs", "expected", "not compared"]
+
+
+class Record(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
+
+
+class Machine(Record):
+    """Where the runs were made."""
+
+    processor: str
+    cores: int
+    memory_gib: float
+    system: str
+    python: str
+    packages: dict[str, str] = Field(description="name of every package that can change a number: its version")
+    source: str = Field(description="hash of raytruth's own source")
+
+
+class SceneRecord(Record):
+    """A scene as it was compared, at the size it was compared at."""
+
+    name: str
+    title: str
+    figure: str
+    description: str
+    estimates: str
+    hash: str
+    width: int
+    height: int
+    samples: int
+    objects: list[str] = Field(description="a name for every object, in scene order")
+    surfaces: list[str] = Field(description="the kind of surface of every object")
+
+
+class Timing(Record):
+    """Seconds; None where a renderer has no such phase."""
+
+    build: float | None = Field(None, description="converting the scene: meshing, acceleration structures")
+    first: float | None = Field(None, description="the first picture, compilation included")
+    warm: float | None = Field(None, description="the same picture once more, everything compiled")
+
+
+class Run(Record):
+    """One renderer's picture of one scene."""
+
+    key: str = Field(description="hash of everything that can change the run; names its files")
+    scene: str
+    renderer: str
+    title: str = Field(description="the renderer in words")
+    settings: dict[str, float | int | str | bool] = {}
+    state: State
+    message: str = Field("", description="what went wrong, in one line")
+    planes: str | None = Field(None, description="the .npz file of the picture's planes, relative to the results")
+    timing: Timing = Timing()
+    facts: dict[str, float | int | str | bool | None] = Field(
+        {}, description="what else is worth telling: rays, undecided pixels, triangles, ...")
+    command: str = Field(description="the command that makes this picture again")
+
+
+class Gate(Record):
+    """One measured number against its limit."""
+
+    name: str
+    value: float | None
+    limit: float
+    holds: bool
+    unit: str = ""
+    means: str = Field(description="what the number is, in one sentence")
+
+
+class Comparison(Record):
+    """One picture against the reference's."""
+
+    id: str
+    scene: str
+    reference: str = Field(description="key of the reference's run")
+    test: str = Field(description="key of the run under test")
+    against: Literal["algorithm", "model"] = Field(description="which of the two truths the reference run stands for")
+    verdict: Verdict
+    reason: str = Field(description="one sentence: why this verdict")
+    gates: list[Gate] = []
+    metrics: dict[str, float | int | None] = Field({}, description="every number measured, gated or not")
+    worst: list[dict[str, float | int]] = Field([], description="the pixels of largest error: row, col, error")
+    command: str
+
+
+class Series(Record):
+    """A study: one number measured over a sweep of one parameter."""
+
+    id: str
+    title: str
+    x_label: str
+    y_label: str
+    lines: dict[str, list[tuple[float, float]]] = Field(description="label: points (x, y)")
+    expected: str = Field(description="what theory says the curve does, and whether it did")
+    slope: dict[str, float] = Field({}, description="measured slope of each line in log-log")
+    holds: bool
+    command: str
+
+
+class Results(Record):
+    """Everything a report is made of."""
+
+    version: Literal[1] = VERSION
+    created: str
+    seconds: float
+    machine: Machine
+    scenes: list[SceneRecord]
+    runs: list[Run]
+    comparisons: list[Comparison]
+    series: list[Series] = []
+
+    def run(self, key: str) -> Run:
+        return next(r for r in self.runs if r.key == key)
+
+
+def write(results: Results, folder: Path) -> Path:
+    """Replaces `folder`/results.json in one step, so that an interrupted write loses nothing."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / FILE
+    part = path.with_suffix(".part")
+    part.write_text(results.model_dump_json(indent=1), encoding="utf-8")
+    os.replace(part, path)
+    return path
+
+
+def read(folder: str | Path) -> Results:
+    """The results in `folder`. Raises InputError in one line."""
+    path = Path(folder) / FILE
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); 'raytruth compare' makes it") from None
+    try:
+        version = json.loads(text).get("version")
+    except (ValueError, AttributeError):
+        raise InputError(f"{path}: is not a results document; make it again with 'raytruth compare'") from None
+    if version != VERSION:
+        raise InputError(f"{path}: has version {version}, this raytruth reads {VERSION}; run 'raytruth compare' again")
+    try:
+        return Results.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(map(str, first["loc"]))
+        raise InputError(f"{path}: {place}: {first['msg']}; make it again with 'raytruth compare'") from None

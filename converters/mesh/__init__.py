@@ -1,0 +1,7 @@
+"""Any surface as a triangle mesh whose vertices lie on f = 0 in fp64, with the error of what lies between them."""
+
+from .check import Check, check
+from .convert import mesh_object, mesh_to_error
+from .mesh import Mesh
+
+__all__ = ["Check", "Mesh", "check", "mesh_object", "mesh_to_error"]

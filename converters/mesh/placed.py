@@ -1,0 +1,76 @@
+"""A surface at its object's place, evaluated on NumPy arrays."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from reference_tracer.numbers import Dual
+from reference_tracer.scene.model import Object
+from reference_tracer.world import rotation_matrix
+
+CHUNK = 1 << 17  # points evaluated at once: bounds the memory of the derivatives
+
+
+class Placed:
+    """The regular form of an object's surface in the surface's own frame, and the way from there into the world.
+
+    Points and vectors are (n, 3) fp64. The regular form has the zeros and the signs of f, and a gradient where grad f
+    vanishes (decision O5): interpolation, projection and normals all need that.
+    """
+
+    def __init__(self, obj: Object):
+        self.surface = obj.surface
+        self._center = np.array(obj.surface.center)
+        self._rotation = rotation_matrix(obj.rotation)
+
+    @cached_property
+    def box(self) -> np.ndarray | None:
+        """(2, 3): low and high corner of the surface's box in its own frame; None if it is unbounded."""
+        box = self.surface.box()
+        return None if box is None else np.array(box, float)
+
+    def to_world(self, points):
+        return points @ self._rotation.T + self._center
+
+    def turned(self, vectors):
+        return vectors @ self._rotation.T
+
+    def to_own_frame(self, points):
+        return (points - self._center) @ self._rotation
+
+    def corners_in_world(self) -> np.ndarray:
+        """(8, 3): the corners of the box of a bounded surface."""
+        return self.to_world(corners(self.box))
+
+    def values(self, x, y, z):
+        """The regular form, signed so that it is negative inside, on broadcast coordinates; NaN counts as outside (M7)."""
+        with np.errstate(all="ignore"):
+            values = np.asarray(self.surface.regular(x, y, z), float)
+        return np.where(np.isnan(values), np.inf, values)
+
+    def gradient(self, points):
+        """The regular form (n,) and its gradient (n, 3) by dual numbers."""
+        values, gradients = np.empty(len(points)), np.empty((len(points), 3))
+        for start in range(0, len(points), CHUNK):
+            part = slice(start, start + CHUNK)
+            with np.errstate(all="ignore"):
+                f = self.surface.regular(*Dual.axes(tuple(np.ascontiguousarray(points[part].T))))
+                values[part] = f.value
+                for k in range(3):
+                    gradients[part, k] = f.derivative(k)
+        return values, gradients
+
+    def distance(self, points):
+        """The distance (n,) of `points` from the surface to first order, |f| / |grad f|. NaN where f has no gradient."""
+        values, gradients = self.gradient(points)
+        with np.errstate(all="ignore"):
+            return np.abs(values) / np.linalg.norm(gradients, axis=1)
+
+
+def corners(box) -> np.ndarray:
+    """(8, 3): the corners of the box [low, high]."""
+    low, high = box
+    return np.array([[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]]
+                     for i in (0, 1) for j in (0, 1) for k in (0, 1)])

@@ -1,0 +1,34 @@
+"""The camera of section 2 as a Mitsuba sensor."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from reference_tracer.camera import frame
+from reference_tracer.scene.model import Camera
+
+from .variant import mi
+
+
+def sensor(camera: Camera) -> mi.Sensor:
+    """A perspective sensor whose pixel centres look along the rays of section 2 (to fp32 accuracy)."""
+    f = frame(camera)
+    to_world = mi.ScalarTransform4f().look_at(
+        origin=f.v_pos.tolist(), target=(f.v_pos + f.v_dir).tolist(), up=f.v_y.tolist())
+    return mi.load_dict({
+        "type": "perspective",
+        "fov": camera.fov, "fov_axis": "larger",  # decision C1
+        "to_world": to_world @ mi.ScalarTransform4f().scale([-1, 1, 1]),  # Mitsuba's x runs left
+        "film": {"type": "hdrfilm", "width": camera.width, "height": camera.height, "rfilter": {"type": "box"},
+                 "pixel_format": "rgb", "component_format": "float32"},
+        "sampler": {"type": "stratified", "sample_count": 1, "jitter": False}})
+
+
+def pixel_directions(of: mi.Sensor) -> np.ndarray:
+    """(height, width, 3) fp32: the unit directions of the rays that `of` sends through the pixels' centres."""
+    width, height = of.film().size()
+    row, column = np.divmod(np.arange(width * height), width)
+    position = mi.Point2f(mi.Float(((column + 0.5) / width).astype(np.float32)),
+                          mi.Float(((row + 0.5) / height).astype(np.float32)))
+    ray, _ = of.sample_ray(mi.Float(0), mi.Float(0), position, mi.Point2f(0.5))
+    return ray.d.numpy().T.reshape(height, width, 3)

@@ -1,0 +1,64 @@
+"""Run renderers against the reference and measure how far their pictures agree.
+
+examples:
+  raytruth compare                                       every scene, every renderer
+  raytruth compare figure-07-torus my-scene.json         some scenes
+  raytruth compare --renderers mitsuba-mesh --largest 320
+
+Each renderer works in a process of its own, under a time limit: a crash costs its own cases. Finished work is kept in
+the results folder and reused; an interrupted run resumes. The exit code is 1 if anything differs or failed.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+
+
+def add_arguments(parser):
+    parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
+    parser.add_argument("--renderers", metavar="A,B", help="compare only these (default: all)")
+    parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
+    parser.add_argument("--largest", metavar="PIXELS", type=int, default=640,
+                        help="scenes with a longer side are compared at this size (default 640)")
+    parser.add_argument("--limit", metavar="SECONDS", type=float, default=300.0, help="time limit of one run (default 300)")
+    parser.add_argument("--jobs", metavar="N", type=int, default=2, help="renderers at work at a time (default 2)")
+    parser.add_argument("--no-studies", action="store_true", help="leave out the sweeps of resolution and step size")
+    parser.add_argument("--json", action="store_true", help="print the results document")
+
+
+def run(arguments) -> int:
+    from comparisons import renderers
+    from comparisons.suite import COMPARED, Options, compare
+    from reference_tracer.errors import InputError
+    from reference_tracer.scene import library
+
+    for name, value, low in (("largest", arguments.largest, 8), ("limit", arguments.limit, 0.1), ("jobs", arguments.jobs, 1)):
+        if not value >= low:
+            raise InputError(f"--{name}: must be at least {low}; found {value}")
+    chosen = tuple(arguments.renderers.split(",")) if arguments.renderers else COMPARED
+    for name in chosen:
+        renderers.find(name)
+    scenes = [library.find(name) for name in arguments.scene or library.names()]
+    names = Counter(scene.name for scene in scenes)
+    if twice := [name for name, count in names.items() if count > 1]:
+        raise InputError(f"two scenes are named {twice[0]!r}; give each its own \"name\"")
+    results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
+                                      limit=arguments.limit, jobs=arguments.jobs, with_studies=not arguments.no_studies))
+    if arguments.json:
+        print(results.model_dump_json(indent=1))
+    else:
+        _tell(results, arguments.results)
+    failed = any(c.verdict in ("differs", "not compared") for c in results.comparisons)
+    return 1 if failed or any(not s.holds for s in results.series) else 0
+
+
+def _tell(results, folder) -> None:
+    order = {"not compared": 0, "differs": 1, "expected": 2, "agrees": 3}
+    for c in sorted(results.comparisons, key=lambda c: (order[c.verdict], c.id)):
+        print(f"{c.verdict:<13} {c.id:<45} {c.reason}")
+    for s in results.series:
+        print(f"{'holds' if s.holds else 'fails':<13} {s.id:<45} slopes {s.slope}")
+    counts = Counter(c.verdict for c in results.comparisons)
+    print(", ".join(f"{counts[v]} {v}" for v in order if counts[v]) + f"; results in {folder}", file=sys.stderr)

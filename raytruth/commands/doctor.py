@@ -1,0 +1,132 @@
+"""Say what was found on this machine, and what to do about what was not."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import asdict, dataclass
+
+
+def add_arguments(parser):
+    parser.add_argument("--json", action="store_true", help="print the findings as JSON")
+
+
+@dataclass
+class Finding:
+    """One thing raytruth uses: was it found, and what to do if not."""
+
+    name: str
+    found: bool
+    detail: str
+    remedy: str = ""
+    required: bool = True
+
+
+# Each probe runs in a process of its own: a wrong LLVM aborts the process that loads it.
+_PROBE_LLVM = """
+import ctypes, os, reference_tracer
+library = ctypes.CDLL(os.environ["DRJIT_LIBLLVM_PATH"])
+numbers = [ctypes.c_uint() for _ in range(3)]
+library.LLVMGetVersion(*map(ctypes.byref, numbers))
+import drjit as dr, drjit.llvm as arrays
+x = dr.arange(arrays.Float64, 1000)
+y = dr.minimum(dr.sqrt(x), 5) + dr.select(x > 3, dr.sin(x), x)
+assert abs(y[4] - (2 + -0.7568024953079282)) < 1e-12
+print(".".join(str(n.value) for n in numbers))
+"""
+_PROBE_MITSUBA = """
+import reference_tracer, mitsuba
+mitsuba.set_variant("llvm_ad_rgb")
+scene = mitsuba.load_dict({"type": "scene", "ball": {"type": "sphere"}})
+hit = scene.ray_intersect(mitsuba.Ray3f([0, 0, -3], [0, 0, 1]))
+assert abs(hit.t[0] - 2) < 1e-5
+print(mitsuba.__version__)
+"""
+
+
+def run(arguments) -> int:
+    findings = [_python(), _drjit(), _llvm(), _threads(), _cuda(), _mitsuba(),
+                _program("POV-Ray", ("povray",), "apt-get install povray", "an independent oracle of the whole model"),
+                _program("Chromium", ("chromium", "chromium-browser", "google-chrome"), "apt-get install chromium",
+                         "tests of the report in a real browser")]
+    if arguments.json:
+        print(json.dumps([asdict(f) for f in findings], indent=1))
+    else:
+        for f in findings:
+            mark = "ok      " if f.found else "MISSING " if f.required else "absent  "
+            print(f"{mark}{f.name:<10} {f.detail}" + (f"\n{'':19}{f.remedy}" if not f.found else ""))
+    return 0 if all(f.found or not f.required for f in findings) else 1
+
+
+def _python() -> Finding:
+    version = ".".join(map(str, sys.version_info[:3]))
+    return Finding("Python", sys.version_info >= (3, 11), version, "use Python 3.11 or later")
+
+
+def _drjit() -> Finding:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return Finding("Dr.Jit", True, version("drjit"))
+    except PackageNotFoundError:
+        return Finding("Dr.Jit", False, "not installed", "pip install raytruth installs it")
+
+
+def _llvm() -> Finding:
+    from reference_tracer import llvm  # importing it points Dr.Jit at a library unless the user did
+
+    path = os.environ.get(llvm.VARIABLE)
+    if not path:
+        return Finding("LLVM", False, f"no libLLVM of version {llvm.OLDEST} or later", llvm.REMEDY)
+    answer, problem = _probe(_PROBE_LLVM)
+    origin = f"chosen by {llvm.VARIABLE}" if llvm.chosen_by_user else "found"
+    if problem:
+        return Finding("LLVM", False, f"{path} ({origin}): {problem}", llvm.REMEDY)
+    if int(answer.split(".")[0]) < llvm.OLDEST:
+        return Finding("LLVM", False, f"{answer}, {path} ({origin}): too old", llvm.REMEDY)
+    return Finding("LLVM", True, f"{answer}, {path} ({origin})")
+
+
+def _threads() -> Finding:
+    return Finding("Threads", True, f"{len(os.sched_getaffinity(0))} cores for the LLVM thread pool")
+
+
+def _cuda() -> Finding:
+    found = shutil.which("nvidia-smi") is not None
+    return Finding("CUDA", found, "a graphics card's driver is present (use --device cuda)" if found else "no graphics card",
+                   "not needed: everything runs on the processor", required=False)
+
+
+def _mitsuba() -> Finding:
+    answer, problem = _probe(_PROBE_MITSUBA)
+    return Finding("Mitsuba", not problem, problem or f"{answer}, variant llvm_ad_rgb works",
+                   "pip install mitsuba; without it comparisons with Mitsuba are skipped")
+
+
+def _program(name: str, names: tuple[str, ...], install: str, use: str) -> Finding:
+    path = next((p for n in names if (p := shutil.which(n))), None)
+    if path is None:
+        return Finding(name, False, "not found", f"optional, {use}: {install}", required=False)
+    try:
+        process = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=20)
+        line = next((line for line in (process.stdout + process.stderr).splitlines() if re.search(r"\d\.\d", line)), "")
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Finding(name, False, f"{path} does not start ({type(error).__name__})", f"optional, {use}: {install}",
+                       required=False)
+    return Finding(name, True, f"{line.strip()[:60]}, {path}", required=False)
+
+
+def _probe(program: str) -> tuple[str, str | None]:
+    """(last line printed, None), or ("", what went wrong)."""
+    try:
+        process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    except subprocess.TimeoutExpired:
+        return "", "gave no answer within 120 s"
+    if process.returncode:
+        last = [line for line in process.stderr.splitlines() if line.strip()][-1:] or ["no message"]
+        return "", f"the probe ended with code {process.returncode} ({last[0].strip()[:120]})"
+    return process.stdout.strip().splitlines()[-1], None

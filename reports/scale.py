@@ -1,0 +1,82 @@
+"""The one error scale of the whole report: a decade is the same colour in every map of every scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .colours import css, from_oklch
+
+LOW, HIGH = 1e-9, 1.0
+DECADES = 9
+LEVELS = 256
+STEP = 10 ** (DECADES / (LEVELS - 1))  # ratio of two neighbouring levels' errors: 1.085
+
+# Colours outside the scale, told apart by lightness alone: black, dark blue, cyan, white.
+EXACT = np.array([0, 0, 0], np.uint8)
+UNDECIDED = np.array([47, 107, 255], np.uint8)
+MISMATCH = np.array([0, 224, 255], np.uint8)
+NON_FINITE = np.array([255, 255, 255], np.uint8)
+
+
+def _table() -> np.ndarray:
+    """(LEVELS, 3) uint8: lightness rises evenly, hue runs from violet over red to yellow."""
+    anchors = np.linspace(0, 1, 6)
+    at = np.linspace(0, 1, LEVELS)
+    chroma = np.interp(at, anchors, [0.135, 0.175, 0.180, 0.180, 0.165, 0.160])
+    hue = np.interp(at, anchors, [292, 318, 358, 396, 424, 457])
+    return from_oklch(0.27 + 0.63 * at, chroma, hue)
+
+
+TABLE = _table()
+
+
+def level(error) -> np.ndarray:
+    """The nearest of the LEVELS steps of the logarithmic scale; what lies outside [LOW, HIGH] takes its end."""
+    position = np.log10(np.clip(error, LOW, HIGH) / LOW) / DECADES
+    return np.floor(position * (LEVELS - 1) + 0.5).astype(np.intp)
+
+
+def error_of(levels) -> np.ndarray:
+    """The error a level stands for; it is within a factor sqrt(STEP) of every error shown with that level."""
+    return LOW * STEP ** np.asarray(levels, float)
+
+
+def paint(error: np.ndarray, mismatch: np.ndarray, undecided: np.ndarray) -> np.ndarray:
+    """An error map, (h, w, 3) uint8, of (h, w) errors >= 0 (NaN: not finite on one of the sides).
+
+    What cannot be measured outranks what can: not finite, then undecided, then another object, then the error.
+    """
+    finite = np.isfinite(error)
+    pixels = TABLE[level(np.where(finite, error, HIGH))]
+    pixels[finite & (error == 0)] = EXACT
+    pixels[mismatch] = MISMATCH
+    pixels[undecided] = UNDECIDED
+    pixels[~finite] = NON_FINITE
+    return pixels
+
+
+@dataclass(frozen=True)
+class Swatch:
+    name: str
+    colour: str
+    means: str
+
+
+SWATCHES = (
+    Swatch("equal", css(EXACT), "both sides have exactly the same number, or neither hits anything"),
+    Swatch("another object", css(MISMATCH), "the ray through the pixel's centre hits on one side only, or another object"),
+    Swatch("undecided", css(UNDECIDED), "at least one side reports that it cannot decide a ray of this pixel"),
+    Swatch("not finite", css(NON_FINITE), "at least one side is NaN or infinite"),
+)
+
+
+@dataclass(frozen=True)
+class Tick:
+    at: float  # percent of the scale's length
+    exponent: int
+    major: bool
+
+
+TICKS = tuple(Tick(100 * k / DECADES, k - DECADES, k % 3 == 0) for k in range(DECADES + 1))
