@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
 
 import drjit as dr
 
@@ -46,7 +47,7 @@ def backend(precision: int = 64, device: str = "llvm") -> Backend:
         raise InputError(f"no LLVM library of version {llvm.OLDEST} or later was found; {llvm.REMEDY}")
     if device == "cuda" and not dr.has_backend(dr.JitBackend.CUDA):
         raise InputError("no CUDA device was found; use --device llvm")
-    arrays = __import__(f"drjit.{device}", fromlist=["Float64"])
+    arrays = import_module(f"drjit.{device}")
     return Backend(device, precision,
                    Float=getattr(arrays, f"Float{precision}"),
                    Vector=arrays.Array3f64 if precision == 64 else arrays.Array3f,

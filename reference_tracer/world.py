@@ -65,8 +65,8 @@ class Member:
         gradient = type(point)(*(g.derivative(k) for k in range(3)))
         if self.rotation is None:
             return gradient
-        return sum((column * gradient[k] for k, column in enumerate(self.rotation[1:], 1)),
-                   self.rotation[0] * gradient[0])
+        x, y, z = self.rotation
+        return x * gradient[0] + y * gradient[1] + z * gradient[2]
 
 
 class Family:

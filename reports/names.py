@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable
 
 LONGEST = 80
 
@@ -16,6 +15,3 @@ def slug(text: str) -> str:
         return plain
     return f"{plain}-{hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()[:8]}".lstrip("-")
 
-
-def slugs(texts: Iterable[str]) -> dict[str, str]:
-    return {text: slug(text) for text in texts}

@@ -57,10 +57,10 @@ def first_after_start(crossings, inside, far_inside=False) -> np.ndarray:
     best, first = np.full(n, np.inf), np.full(n, np.inf)
     for k in range(most + 1):
         moved = np.maximum(0, behind[:, k]) + np.maximum(0, -behind[:, k + 1])
-        fits = ((k % 2 == 1) != (far_inside != inside)) == False  # noqa: E712  elementwise
-        better = fits & (moved < best)
+        side = far_inside ^ (k % 2 == 1)
+        better = (side == inside) & (moved < best)
         best, first = np.where(better, moved, best), np.where(better, behind[:, k + 1], first)
-    return np.maximum(first, 0)
+    return first
 
 
 class Exact:
@@ -73,7 +73,7 @@ class Exact:
         t = np.stack([first_after_start(line_crossings(obj, o, d), inside[:, k], self._far(obj, d))
                       for k, obj in enumerate(self.scene.objects)], axis=-1)
         index = np.argmin(t, axis=-1)
-        t = t[np.arange(len(t)), index]
+        t = np.maximum(t[np.arange(len(t)), index], 0)
         met = t <= self.scene.tracing.max_distance
         return np.where(met, t, np.inf), np.where(met, index, -1)
 
