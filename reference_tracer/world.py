@@ -76,8 +76,7 @@ class Family:
         surface = objects[0].surface
         self.arrays, self.method = arrays, method
         self.indices = indices
-        self.function, self.regular_form = surface.function, surface.regular_form
-        self.degree = surface.degree
+        self.forms = surface.function, surface.regular_form, surface.polynomial_form
         self.parameters = tuple(surface.parameters)
         self.rotated = any(o.rotation is not None for o in objects)
         self.bounded = all(o.surface.box() is not None for o in objects)
@@ -117,12 +116,12 @@ class Family:
         sign = number() if self.flipped else None
 
         def signed(form):
-            if sign is None:
-                return lambda x, y, z: form(x, y, z, **parameters)
+            if form is None or sign is None:
+                return form and (lambda x, y, z: form(x, y, z, **parameters))
             return lambda x, y, z: form(x, y, z, **parameters) * sign
 
         far_inside = arrays.Bool(False) if sign is None else sign < 0
-        solid = Solid(signed(self.function), signed(self.regular_form), self.degree, box, far_inside)
+        solid = Solid(*map(signed, self.forms), box, far_inside)
         return Member(dr.gather(arrays.UInt, self.index_of_row, j, active), center, rotation, solid)
 
 

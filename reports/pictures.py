@@ -13,8 +13,8 @@ from .names import slug
 from .planes import NoPlanes, Planes, read
 from .spread import Spread, spread
 
-FOLDER = "images"
-SCALE = f"{FOLDER}/scale.png"
+RUNS, ERRORS = "images/runs", "images/errors"
+SCALE = "images/scale.png"
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,9 @@ class ScenePictures:
 
 
 def write_scale(report: Path) -> None:
-    """The colour bar of every legend: one pixel a level."""
+    """Makes the folders, and the colour bar of every legend: one pixel a level."""
+    for folder in (RUNS, ERRORS):
+        (report / folder).mkdir(parents=True)
     write_8_bit(scale.TABLE[None], report / SCALE)
 
 
@@ -64,8 +66,8 @@ def write_scene(cases: list[Case], results: Path, report: Path) -> ScenePictures
             planes[run.key] = read(run, results)
         except NoPlanes as reason:
             missing[run.key] = str(reason)
-    reference = next((planes[c.reference.key] for c in cases if c.reference.key in planes), None)
-    span = maps.depth_range(reference or next(iter(planes.values()), None)) if planes else (1.0, 1.0)
+    references = [planes[c.reference.key] for c in cases if c.reference.key in planes]
+    span = maps.depth_range((references or list(planes.values()))[0]) if planes else (1.0, 1.0)
     objects = len(cases[0].scene.objects) if cases else 0
     runs = {key: _write_run(key, p, span, objects, report) for key, p in planes.items()}
     return ScenePictures(runs, {c.comparison.id: _write_case(c, planes, missing, report) for c in cases}, missing)
@@ -76,7 +78,7 @@ def _write_run(key: str, planes: Planes, span: tuple[float, float], objects: int
                 "normal": maps.normal_picture(planes), "objects": maps.object_picture(planes, objects)}
     files = {}
     for kind, pixels in pictures.items():
-        files[kind] = f"{FOLDER}/{slug(key)}-{kind}.png"
+        files[kind] = f"{RUNS}/{slug(key)}-{kind}.png"
         write_8_bit(pixels, report / files[kind])
     height, width = planes.shape
     return RunPictures(files, width, height, span, int(planes.undecided.sum()))
@@ -93,7 +95,7 @@ def _write_case(case: Case, planes: dict[str, Planes], missing: dict[str, str], 
     errors = maps.errors(reference, test)
     written = {}
     for kind, error in errors.named().items():
-        file = f"{FOLDER}/{case.anchor}-{kind}-error.png"
+        file = f"{ERRORS}/{case.anchor}-{kind}.png"
         write_8_bit(scale.paint(error, errors.mismatch, errors.undecided), report / file)
         written[kind] = Map(file, spread(error, errors.mismatch, errors.undecided))
     return Maps(written)

@@ -2,10 +2,6 @@
 
 Written from the document and its decisions, in Mitsuba's fp32 types, and sharing no shading code with the reference:
 an error of the one is a difference to the other. The law of refraction is always Snell's (decision E1).
-
-Two things replace what fp32 meshes cannot give. A ray starts OFFSET away from its surface. And since the side of every
-object is inherited (decision M3), a hit whose direction through the surface contradicts that side is no crossing: it is
-the surface the ray just left, or the wrong side of a facet at grazing incidence, and the ray goes on behind it.
 """
 
 from __future__ import annotations
@@ -14,31 +10,28 @@ import time
 from dataclasses import dataclass
 from statistics import median
 
-import drjit as dr
 import numpy as np
 
 from converters.mitsuba import MitsubaScene, convert, pixel_directions
-from converters.mitsuba.variant import mi
+from converters.mitsuba.crossings import Crossings, Hit, spawn
+from converters.mitsuba.variant import dr, mi
 from reference_tracer.camera import canvas_point, frame
 from reference_tracer.rays import Sides
 from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
 from reference_tracer.world import is_inside
 
-OFFSET = 1e-6  # relative to 1 + the largest coordinate; Mitsuba's own, 9e-5, would dominate every error
-MOST_REFUSED = 64  # hits on the wrong side in a row; beyond, the ray is undecided
-MOST_CROSSINGS = 4096  # of one shadow ray
 MOST_RAYS = 1 << 19
 
 
 def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: float | None = None,
-           repeats: int = 1) -> Picture:
+           share: float = 1.0, repeats: int = 1) -> Picture:
     """The picture of `scene` on Mitsuba's geometry; see `converters.mitsuba.convert` for the options.
 
     The metadata keeps apart the seconds to build the scene, to trace it first (kernels are compiled then) and to trace
     it again (median of `repeats`, None if that is 0). Raises InputError for impossible meshes.
     """
-    converted = convert(scene, shapes, resolution, error)
+    converted = convert(scene, shapes, resolution, error, share)
     tracer = _Tracer(scene, converted)
     seconds, planes, rays = [], None, 0
     for _ in range(1 + repeats):
@@ -70,25 +63,13 @@ class _Rays:
     slot: object  # mi.UInt32
 
 
-@dataclass
-class _Hit:
-    t: object  # mi.Float, infinity where nothing was hit
-    p: object  # mi.Point3f
-    facet: object  # mi.Vector3f, unit normal of Mitsuba's geometry
-    normal: object  # mi.Vector3f, unit, interpolated, turned against the ray (decision N1)
-    index: object  # mi.UInt32, object in scene order
-    met: object  # mi.Bool
-    lost: object  # mi.Bool, undecided
-
-
 class _Tracer:
     """A scene bound to its conversion."""
 
     def __init__(self, scene: Scene, converted: MitsubaScene):
-        self.document, self.converted, self.scene = scene, converted, converted.scene
-        self.index_of_shape = mi.UInt32(converted.index_of_shape)
+        self.document, self.converted, self.crossings = scene, converted, Crossings(scene, converted)
         materials = [o.material for o in scene.objects]
-        column = lambda values: mi.Float([float(v) for v in values])
+        column = lambda values: mi.Float([float(v) for v in values] or [0.0])  # an empty one cannot be read, even never
         self.color = [column(m.color[k] for m in materials) for k in range(3)]
         self.reflection = column(m.reflection for m in materials)
         self.transparency = column(m.transparency for m in materials)
@@ -96,69 +77,14 @@ class _Tracer:
         self.light_position = [column(light.position[k] for light in scene.lights) for k in range(3)]
         self.light_brightness = [column(light.brightness[k] for light in scene.lights) for k in range(3)]
         self.lights = dr.opaque(mi.UInt32, len(scene.lights))
-        self.max_distance = dr.opaque(mi.Float, scene.tracing.max_distance)
         self.background = mi.Color3f(*(dr.opaque(mi.Float, c) for c in scene.background))
         self.transparent = any(m.transparency > 0 for m in materials)
         self.shiny = self.transparent or any(m.reflection > 0 for m in materials)
         self.sides = Sides.from_flags(mi.UInt64, [is_inside(o, scene.camera.position) for o in scene.objects])
 
-    # --- Mitsuba's geometry ------------------------------------------------------------------------------------------
-    def _meet(self, o, d, limit, sides: Sides, active):
-        """Mitsuba's next intersection, whether there is one, its object, and whether the ray can be crossing there."""
-        ray = mi.Ray3f(o, d, limit, mi.Float(0), mi.Color0f())
-        si = self.scene.ray_intersect(ray, mi.RayFlags.ShadingFrame, coherent=False, active=active)
-        found = active & si.is_valid()
-        index = dr.gather(mi.UInt32, self.index_of_shape, dr.reinterpret_array(mi.UInt32, si.shape), found)
-        leaving = dr.dot(d, si.n) > 0
-        return si, found, index, found & ~(leaving ^ sides.test(index))
-
-    @staticmethod
-    def _spawn(p, facet, d):
-        """A point OFFSET off the facet through p, on the side that d points to."""
-        largest = dr.max(dr.abs(p))
-        return p + facet * dr.copysign((1 + largest) * OFFSET, dr.dot(facet, d))
-
-    @dr.syntax
-    def first_hit(self, o, d, sides: Sides, active) -> _Hit:
-        """The first crossing of each ray with any object within max_distance (decision M5)."""
-        origin, passed, tries = mi.Point3f(o), mi.Float(0), mi.UInt32(0)
-        t, p, facet, normal = mi.Float(dr.inf), mi.Point3f(o), mi.Vector3f(0), mi.Vector3f(0)
-        index, met, searching = mi.UInt32(0), mi.Bool(False), mi.Bool(active)
-        while searching:
-            si, found, candidate, crossing = self._meet(origin, d, self.max_distance - passed, sides, searching)
-            t = dr.select(crossing, passed + si.t, t)
-            p = dr.select(crossing, si.p, p)
-            facet = dr.select(crossing, mi.Vector3f(si.n), facet)
-            normal = dr.select(crossing, mi.Vector3f(si.sh_frame.n), normal)
-            index = dr.select(crossing, candidate, index)
-            met |= crossing
-            passed = dr.select(found, passed + si.t, passed)
-            origin = dr.select(found, self._spawn(si.p, si.n, d), origin)
-            tries += 1
-            searching = found & ~crossing & (tries < MOST_REFUSED)
-        lost = active & ~met & (tries >= MOST_REFUSED)
-        normal = dr.select(dr.dot(d, normal) > 0, -normal, normal)
-        return _Hit(t, p, facet, normal, index, met, lost)
-
-    @dr.syntax
-    def light_through(self, o, d, distance, sides: Sides, active):
-        """The part of a light that reaches o from `distance` away: transparency at every crossing (decision L3)."""
-        intensity = dr.select(active, mi.Float(1), 0)
-        origin, passed, tries, searching = mi.Point3f(o), mi.Float(0), mi.UInt32(0), mi.Bool(active)
-        words = Sides([mi.UInt64(w) for w in sides.words])
-        while searching:
-            si, found, index, crossing = self._meet(origin, d, distance - passed, words, searching)
-            intensity *= dr.select(crossing, dr.gather(mi.Float, self.transparency, index, crossing), 1)
-            words = Sides.select(crossing, words.flipped(index), words)
-            passed = dr.select(found, passed + si.t, passed)
-            origin = dr.select(found, self._spawn(si.p, si.n, d), origin)
-            tries += 1
-            searching = found & (intensity > 0) & (tries < MOST_CROSSINGS)
-        return intensity, tries >= MOST_CROSSINGS
-
     # --- the document's shading --------------------------------------------------------------------------------------
     @dr.syntax
-    def illumination(self, hit: _Hit, sides: Sides, active):
+    def illumination(self, hit: Hit, sides: Sides, active):
         """Section 4.3.1: the sum over lights of cos(phi) * brightness * intensity (decisions L1 to L3)."""
         total, lost, j = mi.Color3f(0), mi.Bool(False), mi.UInt32(0)
         while j < self.lights:
@@ -166,8 +92,8 @@ class _Tracer:
             brightness = mi.Color3f(*(dr.gather(mi.Float, c, j) for c in self.light_brightness))
             shadow_dir = dr.normalize(position - hit.p)
             cos = dr.dot(shadow_dir, hit.normal)
-            origin = self._spawn(hit.p, hit.facet, shadow_dir)
-            intensity, unsure = self.light_through(origin, shadow_dir, dr.norm(position - origin), sides,
+            origin = spawn(hit.p, hit.facet, shadow_dir)
+            intensity, unsure = self.crossings.light_through(origin, shadow_dir, dr.norm(position - origin), sides,
                                                    active & (cos > 0))
             total += brightness * dr.select(active & (cos > 0), cos * intensity, 0)
             lost |= unsure
@@ -199,7 +125,7 @@ class _Tracer:
 
     def _collide(self, rays: _Rays):
         """First hits, their own colour or the background, and (direction, weight, sides) of the secondary rays."""
-        hit = self.first_hit(rays.o, rays.d, rays.sides, rays.weight > 0)
+        hit = self.crossings.first_hit(rays.o, rays.d, rays.sides, rays.weight > 0)
         pick = lambda column: dr.gather(mi.Float, column, hit.index, hit.met)
         R = pick(self.reflection)
         T = pick(self.transparency) if self.transparent else mi.Float(0)
@@ -224,25 +150,25 @@ class _Tracer:
             secondary.append((reflected, dr.select(hit.met, weight, 0), rays.sides))
         return hit, color, hit.lost | unsure, secondary
 
-    def _queues(self, rays: _Rays, hit: _Hit, secondary) -> list[_Rays]:
+    def _queues(self, rays: _Rays, hit: Hit, secondary) -> list[_Rays]:
         """The secondary rays that have weight, all kinds together, in queues of at most MOST_RAYS."""
-        chosen = [dr.compress(weight > 0) for _, weight, _ in secondary]
-        total = sum(map(dr.width, chosen))
+        chosen = [(*kind, found) for kind in secondary if dr.width(found := dr.compress(kind[1] > 0))]
+        total = sum(dr.width(found) for *_, found in chosen)
         queues = []
         for start in range(0, total, MOST_RAYS):
             size = min(MOST_RAYS, total - start)
             # a queue of one ray would compile a kernel of its own: pad it with a ray of weight 0
             lane = dr.arange(mi.UInt32, max(size, 2)) + dr.opaque(mi.UInt32, start)
             queue = None
-            for (d, weight, sides), of_kind in zip(secondary, chosen):
-                mine = lane < dr.opaque(mi.UInt32, dr.width(of_kind))
-                source = dr.gather(mi.UInt32, of_kind, lane, mine)
+            for d, weight, sides, found in chosen:
+                mine = lane < dr.opaque(mi.UInt32, dr.width(found))
+                source = dr.gather(mi.UInt32, found, lane, mine)
                 pick = lambda value: dr.gather(type(value), value, source, mine)
                 direction = pick(d)
-                theirs = _Rays(self._spawn(pick(hit.p), pick(hit.facet), direction), direction,
+                theirs = _Rays(spawn(pick(hit.p), pick(hit.facet), direction), direction,
                                Sides([pick(w) for w in sides.words]), pick(rays.weight) * pick(weight), pick(rays.slot))
                 queue = dr.select(mine, theirs, queue) if queue else theirs
-                lane -= dr.opaque(mi.UInt32, dr.width(of_kind))  # wraps around for the lanes that are served
+                lane -= dr.opaque(mi.UInt32, dr.width(found))  # wraps around for the lanes that are served
             dr.eval(queue)
             queues.append(queue)
         return queues
@@ -286,7 +212,7 @@ class _Tracer:
             film, deepest, lost, hit, traced = self.trace(self._camera_rays(first, count, samples), max(count, 2))
             if samples > 1:  # the geometry planes belong to the pixel's centre
                 centre = self._camera_rays(first, count, 1)
-                hit = self.first_hit(centre.o, centre.d, centre.sides, centre.weight > 0)
+                hit = self.crossings.first_hit(centre.o, centre.d, centre.sides, centre.weight > 0)
                 traced += count
             numpy = lambda array: array.numpy().T[:count]
             met = numpy(hit.met)

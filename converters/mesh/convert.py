@@ -49,6 +49,8 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
     """
     if not (math.isfinite(error) and error > 0):
         raise InputError(f"the geometric error of a mesh must be a positive number; found {error}")
+    if not 0 < share <= 1:
+        raise InputError(f"the share of a mesh that keeps its error must lie above 0 and not above 1; found {share}")
     placed, resolution, order = Placed(obj), COARSE, 2.0
     before = None
     for _ in range(MOST_ROUNDS):
@@ -63,7 +65,7 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
         before = resolution, found
         resolution = max(wanted, resolution + 1) if found > error else wanted
     raise InputError(f"a mesh of {obj.name or obj.surface.type} reaches an error of {found:.1g} at {before[0]} cells, "
-                     f"not {error:.1g}; choose a larger error")
+                     f"not {error:.1g}; choose a larger error or ask it of less than the whole surface (share)")
 
 
 def interior_errors(placed: Placed, vertices, faces, most: int | None = None) -> np.ndarray:

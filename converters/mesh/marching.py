@@ -96,7 +96,7 @@ def _welded(vertices, faces, grid: Grid):
     """One vertex for every grid edge that is crossed; triangles that collapse are dropped."""
     cell = np.floor(vertices)
     fractional = vertices != cell
-    axis = np.where(fractional.sum(axis=1) == 1, fractional.argmax(axis=1), np.where(fractional.any(axis=1), INNER, NODE))
+    axis = np.choose(np.minimum(fractional.sum(axis=1), 2), [NODE, fractional.argmax(axis=1), INNER])
     key = np.ravel_multi_index((*cell.astype(np.int64).T, axis), (*(n + 1 for n in grid.counts), 5))
     _, kept, place = np.unique(key, return_index=True, return_inverse=True)
     faces = place.ravel()[faces]

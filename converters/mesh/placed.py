@@ -45,7 +45,7 @@ class Placed:
         return self.to_world(corners(self.box))
 
     def values(self, x, y, z):
-        """The regular form, signed so that it is negative inside, on broadcast coordinates; NaN counts as outside (M7)."""
+        """The regular form, negative inside, on broadcast coordinates; NaN counts as outside (decision M7)."""
         with np.errstate(all="ignore"):
             values = np.asarray(self.surface.regular(x, y, z), float)
         return np.where(np.isnan(values), np.inf, values)
@@ -63,7 +63,7 @@ class Placed:
         return values, gradients
 
     def distance(self, points):
-        """The distance (n,) of `points` from the surface to first order, |f| / |grad f|. NaN where f has no gradient."""
+        """The distance (n,) of `points` from the surface to first order, |f| / |grad f|; NaN without a gradient."""
         values, gradients = self.gradient(points)
         with np.errstate(all="ignore"):
             return np.abs(values) / np.linalg.norm(gradients, axis=1)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-import drjit as dr
 import numpy as np
 
 from converters.mesh import mesh_object, mesh_to_error
@@ -15,7 +14,7 @@ from reference_tracer.scene.model import Scene
 
 from .sensor import sensor
 from .shapes import meshed, native
-from .variant import mi
+from .variant import dr, mi
 
 SHAPES = ("native", "mesh")
 
@@ -45,12 +44,14 @@ class MitsubaScene:
         return sum(part.triangles for part in self.parts)
 
 
-def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: float | None = None) -> MitsubaScene:
+def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: float | None = None,
+            share: float = 1.0) -> MitsubaScene:
     """`scene` for Mitsuba, no files in between.
 
     `shapes` "native" takes Mitsuba's own sphere, stretched sphere and rectangle where they are exact and meshes for
-    the rest, "mesh" takes meshes only. Meshes have `resolution` cells along their longest side, or keep the geometric
-    `error`, in units of the scene, if that is given. Raises InputError for impossible meshes.
+    the rest, "mesh" takes meshes only. Meshes have `resolution` cells along their longest side; or, if `error` is
+    given in units of the scene, they keep it on that `share` of the surface (see `mesh_to_error`). Raises InputError
+    for impossible meshes.
     """
     if shapes not in SHAPES:
         raise InputError(f"shapes must be one of {', '.join(SHAPES)}; found {shapes!r}")
@@ -62,7 +63,8 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
         shape = native(obj, scene, name) if shapes == "native" else None
         part = Part(shape.kind, 0, 0.0, "") if shape else None
         if shape is None:
-            mesh = mesh_object(obj, scene, resolution) if error is None else mesh_to_error(obj, scene, error)
+            mesh = (mesh_object(obj, scene, resolution) if error is None
+                    else mesh_to_error(obj, scene, error, share))
             shape = meshed(mesh, name) if mesh.triangles else None
             part = Part(shape.kind if shape else "nothing", mesh.triangles, mesh.error, mesh.clipped)
         if shape:

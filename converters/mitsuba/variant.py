@@ -1,7 +1,13 @@
-"""Mitsuba in the variant that everything here is written for: fp32 on LLVM, the wheel has no double one."""
+"""Mitsuba in the variant that everything here is written for: fp32 on LLVM; its wheel has no double one.
 
-import reference_tracer  # noqa: F401  chooses the LLVM library before Mitsuba loads Dr.Jit
+Both Mitsuba and Dr.Jit are imported from here, because whoever imports Dr.Jit first settles which LLVM it loads.
+"""
 
+import reference_tracer  # noqa: F401  points Dr.Jit at a good LLVM; must come first
+
+import drjit as dr  # isort: skip
 import mitsuba as mi  # isort: skip
 
 mi.set_variant("llvm_ad_rgb")
+
+__all__ = ["dr", "mi"]

@@ -6,15 +6,19 @@ One file a method, all on the interface of `interface.py`; `choose` maps a metho
 from __future__ import annotations
 
 from ..errors import InputError
+from .descartes import Descartes
 from .exact import cheapest_exact
 from .interface import Crossing, FirstHit, LocalRay, Solid
 from .interval import IntervalMethod
 from .paper import Paper
+from .proof import Proof
 
 METHODS = {
     "paper": "the document's own: fixed steps, then free Newton; includes its failures",
-    "exact": "misses nothing: closed forms for degree <= 2, interval arithmetic for the rest",
+    "exact": "misses nothing: closed forms, Descartes' rule, interval arithmetic, the cheapest that is safe",
+    "descartes": "Descartes' rule of signs, for algebraic surfaces; the others as exact does",
     "interval": "interval arithmetic for every surface",
+    "proof": "interval arithmetic, outward rounded: its answers are proofs",
 }
 
 
@@ -25,6 +29,10 @@ def choose(method: str, surface, tracing, arrays) -> FirstHit:
             return Paper(arrays, tracing.step_size, tracing.tolerance, tracing.max_iterations)
         case "exact":
             return cheapest_exact(surface)
+        case "descartes":
+            return Descartes() if surface.degree is not None else cheapest_exact(surface)
+        case "proof":
+            return Proof()
         case "interval":
             return IntervalMethod()
     raise InputError(f"unknown method {method!r}; choose one of {', '.join(METHODS)}")

@@ -28,12 +28,12 @@ class LocalRay:
 class Solid:
     """One object of every lane, as the methods see it: f in its own frame, and the box that bounds it.
 
-    `f` and `regular` are functions of three coordinates of any number type; `far_inside` tells on which side the ray
-    is outside of the box.
+    `f`, `regular` and `polynomial` (None where there is none) are functions of three coordinates of any number type;
+    `far_inside` tells on which side the ray is outside of the box.
     """
 
-    def __init__(self, f, regular, degree, box, far_inside):
-        self.f, self.regular, self.degree, self.box, self.far_inside = f, regular, degree, box, far_inside
+    def __init__(self, f, regular, polynomial, box, far_inside):
+        self.f, self.regular, self.polynomial, self.box, self.far_inside = f, regular, polynomial, box, far_inside
 
     def inside_at(self, ray: LocalRay, t):
         """Whether the point at t is inside: f < 0, so that zero and anything not finite is outside (O1, M7)."""
@@ -65,6 +65,14 @@ class Solid:
                 t0 = dr.maximum(t0, dr.minimum(near, far))
                 t1 = dr.minimum(t1, dr.maximum(near, far))
         return t0, t1
+
+    def search_range(self, ray: LocalRay, inside, limit):
+        """The part of (0, limit) to search: the box, unless the ray starts within the solid and has to come out."""
+        start, stop = self.span(ray, limit)
+        if self.box is None:
+            return start, stop
+        outside = inside == self.far_inside
+        return dr.select(outside, start, 0), dr.select(outside, stop, limit)
 
 
 @dataclass

@@ -21,7 +21,6 @@ class _Scan:
 
     t: object  # Float, start of the bracket
     end: object  # Float, end of the bracket
-    inside: object  # Bool, side at `t`
     count: object  # UInt, crossings found
     undecided: object  # Bool
     segments: object  # UInt, segments looked at
@@ -34,13 +33,11 @@ class IntervalMethod:
     the same side; it holds exactly one if g is monotone and the ends are on different sides (Moore 1966; Mitchell
     1990, Robust ray intersection with interval arithmetic). Beside the natural enclosure of g the lines of slope
     inf g' and sup g' through both ends bound it, an enclosure whose excess falls with w^2 (linear boundary value form,
-    Neumaier 1990). `number` is Interval, or OutwardInterval for a proof.
+    Neumaier 1990).
     """
 
     name = "interval"
-
-    def __init__(self, number: type[Interval] = Interval):
-        self.number = number
+    number: type[Interval] = Interval
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         scan = self._scan(solid, ray, inside, limit, only_first=dr.mask_t(limit)(True))
@@ -55,54 +52,45 @@ class IntervalMethod:
 
     @dr.syntax
     def _scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> _Scan:
-        Float, Bool = type(limit), dr.mask_t(limit)
-        start, stop = self._range(solid, ray, inside, limit)
-        t = Float(start)
-        w = stop - start
+        Float, Bool, UInt = type(limit), dr.mask_t(limit), dr.uint32_array_t(type(limit))
+        start, stop = solid.search_range(ray, inside, limit)
+        t, end, w = Float(start), Float(start), stop - start
         side = Bool(inside)
         g_start = dr.select(start > 0, solid.regular(*ray.at(start)), 0)  # at the origin g is noise; its side is known
-        end = Float(start)
-        count = dr.zeros(dr.uint32_array_t(Float))
-        segments = dr.zeros(dr.uint32_array_t(Float))
-        undecided = dr.zeros(Bool)
+        count, segments, undecided = UInt(0), UInt(0), Bool(False)
         active = t < stop
         while active:
             w = dr.minimum(w, stop - t)
             end = dr.select(t + w >= stop, stop, t + w)
             w = end - t
             g, slope = solid.enclose(ray, t, end, self.number)
-            g_end = solid.regular(*ray.at(end))
-            crossed = (g_end < 0) != side
-            monotone = slope.excludes_zero()
-            clear = g.excludes_zero() | self._bounded_away(g_start, g_end, slope, w, side)
+            g_end, end_inside, end_outside = self._end_of_segment(solid, ray, end)
+            crossed = dr.select(side, end_outside, end_inside)
+            stayed = dr.select(side, end_inside, end_outside)
+            simple = slope.excludes_zero() | g.excludes_zero() | self._bounded_away(g_start, g_end, slope, w, side)
             narrow = w <= NARROWEST * dr.maximum(1, dr.abs(t))
-            hit = crossed & (monotone | clear | narrow)
-            passed = ~crossed & (monotone | clear | narrow)
+            hit = crossed & (simple | narrow)
+            passed = ~hit & ((stayed & simple) | narrow)
             # narrow, yet neither excluded nor crossed: two crossings closer than NARROWEST may hide here
-            undecided |= narrow & ~monotone & ~clear
-            count += dr.select(hit, 1, 0)
+            undecided |= passed & ~(stayed & simple)
+            count += dr.select(hit, UInt(1), 0)
             segments += 1
-            stays = hit & (only_first | (segments >= MOST_SEGMENTS))
+            stays = hit & only_first
             moves = passed | (hit & ~stays)
-            side = side ^ (hit & ~stays)
+            side ^= hit & ~stays
             t = dr.select(moves, end, t)
             g_start = dr.select(moves, g_end, g_start)
             w = dr.select(moves, 2 * w, dr.select(stays, w, 0.5 * w))
             active = ~stays & (t < stop) & (segments < MOST_SEGMENTS)
-        undecided |= (segments >= MOST_SEGMENTS) & (t < stop)
-        return _Scan(t, end, side, count, undecided, segments)
+        undecided |= segments >= MOST_SEGMENTS
+        return _Scan(t, end, count, undecided, segments)
 
-    @staticmethod
-    def _range(solid: Solid, ray: LocalRay, inside, limit):
-        """The part of (0, limit) to search: the box, unless the ray starts within the solid and has to come out."""
-        start, stop = solid.span(ray, limit)
-        if solid.box is None:
-            return start, stop
-        outside = inside == solid.far_inside
-        return dr.select(outside, start, 0), dr.select(outside, stop, limit)
+    def _end_of_segment(self, solid: Solid, ray: LocalRay, end):
+        """g at `end`, whether that point is inside, and whether it is outside."""
+        g = solid.regular(*ray.at(end))
+        return g, g < 0, ~(g < 0)
 
-    @staticmethod
-    def _bounded_away(g_start, g_end, slope: Interval, w, side):
+    def _bounded_away(self, g_start, g_end, slope: Interval, w, side):
         """Whether the lines of extreme slope through both ends keep g off zero, on the side the ray is on.
 
         With g >= 0 on that side (else negate): left of the lines' meeting g >= g0 + s_lo u, right of it

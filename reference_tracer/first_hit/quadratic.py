@@ -51,7 +51,7 @@ class Quadratic:
     def _roots(solid: Solid, ray: LocalRay) -> _Roots:
         # Expanding about the point nearest to the surface's centre keeps the digits that c = f(o) loses far away.
         nearest = -dr.dot(ray.o, ray.d)
-        coefficients = solid.f(*Polynomial.along(ray.at(nearest), ray.d)).c
+        coefficients = solid.polynomial(*Polynomial.along(ray.at(nearest), ray.d)).c
         c, b = coefficients[0], 0.5 * coefficients[1]
         # + 0.0 turns -0.0 into +0.0: a plane is the limit of a parabola that opens upwards, its far root at infinity
         a = coefficients[2] + 0.0 if len(coefficients) > 2 else dr.zeros(type(c))

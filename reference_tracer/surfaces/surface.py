@@ -32,7 +32,7 @@ class Surface(BaseModel):
 
     title: ClassVar[str]
     equation: ClassVar[str]
-    polynomial_degree: ClassVar[int | None] = None  # of f, where f is a polynomial
+    polynomial_degree: ClassVar[int | None] = None  # of polynomial_form, where there is one
 
     @staticmethod
     def f(x, y, z, **parameters):
@@ -64,8 +64,16 @@ class Surface(BaseModel):
 
     @property
     def degree(self) -> int | None:
-        """The degree of f where f is a polynomial in x, y, z, else None."""
+        """The degree of `polynomial_form`, None where there is none."""
         return self.polynomial_degree
+
+    @property
+    def polynomial_form(self) -> Callable | None:
+        """A polynomial of the coordinates with the zeros and the signs of f; None where the surface has none.
+
+        It is f itself wherever f is a polynomial.
+        """
+        return self.function if self.degree is not None else None
 
     def box(self) -> Box | None:
         """Corners (low, high), in the surface's own frame, of a box outside which f has one sign; None if unbounded."""

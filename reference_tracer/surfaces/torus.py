@@ -24,6 +24,24 @@ class Torus(Surface):
     def f(x, y, z, R, r):
         return (sqrt(x**2 + y**2) - R) ** 2 + z**2 - r**2
 
+    @staticmethod
+    def f_polynomial(x, y, z, R, r):
+        # f times (√(x² + y²) + R)² + z² − r², which is positive everywhere as long as r < R
+        square = x**2 + y**2
+        return (square + z**2 + (R**2 - r**2)) ** 2 - square * (R**2 * 4)
+
+    @property
+    def family(self):
+        return self.type if self.r < self.R else f"{self.type} that overlaps itself"
+
+    @property
+    def degree(self):
+        return 4 if self.r < self.R else None
+
+    @property
+    def polynomial_form(self):
+        return type(self).f_polynomial if self.r < self.R else None
+
     def box(self):
         outer, r = self.R + self.r, self.r
         return (-outer, -outer, -r), (outer, outer, r)

@@ -1,0 +1,68 @@
+"""Builds a report in a folder beside the last one, then puts it in its place."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from comparisons import results as documents
+from reference_tracer.errors import InputError
+
+from . import pictures, templating
+from .pages import all_pages
+from .report import arrange
+
+OUTPUT = Path("reports/html")
+MARK = ".raytruth-report"  # a file in every report: a folder without it is not ours to replace
+
+
+def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *,
+          progress: Callable[[float], None] | None = None) -> Path:
+    """Makes the report of the results in `results_folder`; returns the path of its first page.
+
+    The same results give the same bytes. An earlier report in `output_folder` is replaced as a whole, and stays as it
+    is until the new one is complete. `progress` is called with the finished fraction. Raises InputError.
+    """
+    results_folder, output = Path(results_folder), Path(output_folder).resolve()
+    report = arrange(documents.read(results_folder))
+    _require_ours(output, results_folder.resolve())
+    new, old = output.with_name(f".{output.name}.new"), output.with_name(f".{output.name}.old")
+    try:
+        if old.exists() and not output.exists():  # a build was interrupted between the two renames below
+            os.replace(old, output)
+        for leftover in (new, old):
+            shutil.rmtree(leftover, ignore_errors=True)
+        new.mkdir(parents=True)
+        _write(report, results_folder, new, progress or (lambda _: None))
+        if output.exists():
+            os.replace(output, old)
+        os.replace(new, output)
+        shutil.rmtree(old, ignore_errors=True)
+    except OSError as error:
+        raise InputError(f"{output}: the report cannot be written ({error.strerror or error})") from None
+    finally:
+        shutil.rmtree(new, ignore_errors=True)
+    return output / "index.html"
+
+
+def _require_ours(output: Path, results: Path) -> None:
+    if results == output or output in results.parents:
+        raise InputError(f"{output}: holds the results, which a report would replace; choose another folder")
+    if output.exists() and not (output.is_dir() and ((output / MARK).exists() or not any(output.iterdir()))):
+        raise InputError(f"{output}: exists and is not a report; remove it or choose another folder")
+
+
+def _write(report, results_folder: Path, folder: Path, progress: Callable[[float], None]) -> None:
+    pictures.write_scale(folder)
+    scenes = report.results.scenes
+    for done, scene in enumerate(scenes, 1):
+        report.pictures[scene.name] = pictures.write_scene(report.of_scene(scene), results_folder, folder)
+        progress(done / (len(scenes) + 1))
+    templates = templating.environment()
+    files = {page.path: templating.rendered(templates, page, report) for page in all_pages(report)}
+    for path, text in {**files, **templating.static(templates), MARK: ""}.items():
+        (folder / path).parent.mkdir(exist_ok=True)
+        (folder / path).write_text(text, encoding="utf-8", newline="\n")
+    progress(1.0)

@@ -1,0 +1,33 @@
+// Flip in place: a click enlarges one picture of a triptych, keys 1 2 3 swap it, Esc goes back. Without scripts a
+// click opens the picture itself.
+"use strict";
+
+let open = null;
+
+function show(triptych, index) {
+  if (open && open !== triptych) close();
+  open = triptych;
+  triptych.classList.add("single");
+  triptych.querySelectorAll("figure").forEach((figure, i) => figure.classList.toggle("shown", i === index));
+}
+
+function close() {
+  if (open) open.classList.remove("single");
+  open = null;
+}
+
+document.addEventListener("click", (event) => {
+  const link = event.target.closest(".triptych a");
+  if (!link || event.ctrlKey || event.metaKey || event.shiftKey) return;
+  event.preventDefault();
+  const triptych = link.closest(".triptych");
+  const figures = [...triptych.querySelectorAll("figure")];
+  if (open === triptych) close();
+  else show(triptych, figures.indexOf(link.closest("figure")));
+});
+
+document.addEventListener("keydown", (event) => {
+  if (!open || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (event.key === "Escape") close();
+  else if ("123".includes(event.key)) show(open, Number(event.key) - 1);
+});
