@@ -22,12 +22,19 @@ class Collision:
     point: object  # Vector, where the ray met the object
     normal: object  # Vector, unit, turned against the ray (decision N1)
     color: object  # Vector, visibleColor (1 - reflection) (1 - transparency), or the background
-    undecided: object  # Bool
+    smooth: object  # Bool, the gradient exists there
+    lights_asked: object  # UInt, shadow rays traced
+    lights_undecided: object  # UInt, how many of them are undecided
     reflected: object | None  # Vector, direction
     reflected_weight: object | None  # Float
     refracted: object | None  # Vector, direction
     refracted_weight: object | None  # Float
     refracted_sides: Sides | None
+
+    @property
+    def undecided(self):
+        """Whether the method cannot vouch for this ray, or for one of its shadow rays (Bool)."""
+        return self.hit.undecided | ~self.smooth | (self.lights_undecided > 0)
 
 
 def collide(world: World, ray: Ray, active) -> Collision:
@@ -46,19 +53,19 @@ def collide(world: World, ray: Ray, active) -> Collision:
     normal = dr.select(cos1 < 0, -gradient, gradient)
     cos1 = dr.abs(cos1)
     # where the gradient does not exist (O4, O5) there is no normal: face the ray, and say that the pixel is undecided
-    smooth = dr.isfinite(cos1)
+    smooth = ~met | dr.isfinite(cos1)
     normal, cos1 = dr.select(smooth, normal, -ray.d), dr.select(smooth, dr.minimum(cos1, 1), 1)
 
     material = world.material(hit.index, met)
     R = material.reflection if world.reflective else 0.0
     T = material.transparency if world.transparent else 0.0
     local_weight = dr.select(met, (1.0 - R) * (1.0 - T), 0)
-    illumination, unsure = _illumination(world, ray, point, normal, met & (local_weight > 0))
+    illumination, asked, unsure = _illumination(world, ray, point, normal, met & (local_weight > 0))
     background = world.arrays.Vector(*world.background)
     color = dr.select(met, material.color * illumination * local_weight, dr.select(active, background, 0))
 
-    collision = Collision(hit, point, normal, color, active & (hit.undecided | unsure | (met & ~smooth)),
-                          None, None, None, None, None)
+    hit.undecided &= active
+    collision = Collision(hit, point, normal, color, smooth, asked, unsure, None, None, None, None, None)
     if world.reflective or world.transparent:
         collision.reflected = dr.normalize(reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
         collision.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
@@ -69,22 +76,27 @@ def collide(world: World, ray: Ray, active) -> Collision:
 
 @dr.syntax
 def _illumination(world: World, ray: Ray, point, normal, active):
-    """Section 4.3.1: the sum over lights of max(cos(phi), 0) * brightness * intensity (decisions L1 to L3)."""
+    """Section 4.3.1: the sum over lights of max(cos(phi), 0) * brightness * intensity (decisions L1 to L3).
+
+    Returns (Vector, UInt shadow rays traced, UInt undecided ones).
+    """
+    UInt = world.arrays.UInt
     total = world.arrays.Vector(0, 0, 0)
-    undecided = world.arrays.Bool(False)
-    j = world.arrays.UInt(0)
+    asked, undecided, j = UInt(0), UInt(0), UInt(0)
     while j < world.light_count:
         position, brightness = world.light(j)
         to_light = position - point
         distance = dr.norm(to_light)
         shadow_dir = to_light / distance
         cos = dr.dot(shadow_dir, normal)
+        faces = active & (cos > 0)
         # the shadow ray starts on the side the ray came from, like the reflection ray (M3)
-        intensity, unsure = world.light_through(Ray(point, shadow_dir, ray.sides), distance, active & (cos > 0))
+        intensity, unsure = world.light_through(Ray(point, shadow_dir, ray.sides), distance, faces)
         total += brightness * dr.select(intensity > 0, cos * intensity, 0)
-        undecided |= unsure
+        asked += dr.select(faces, UInt(1), 0)
+        undecided += dr.select(unsure, UInt(1), 0)
         j += 1
-    return total, undecided
+    return total, asked, undecided
 
 
 def _add_refraction(world: World, ray: Ray, collision: Collision, material: Material, cos1, met):

@@ -7,6 +7,7 @@ and the newest wave is traced first, so that memory stays bounded at any picture
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import drjit as dr
@@ -28,6 +29,7 @@ class Wave:
     ray: Ray
     weight: object  # Float
     slot: object  # UInt
+    refracted: object = None  # Bool, which rays came through a surface; None for camera rays
 
     def __len__(self):
         return dr.width(self.slot)
@@ -62,8 +64,12 @@ class Film:
             dr.scatter_reduce(dr.ReduceOp.Max, plane, value, wave.slot, mode=dr.ReduceMode.Direct)
 
 
-def trace(world: World, wave: Wave, slots: int) -> tuple[Film, Primary]:
-    """Traces `wave` and all its descendants. The first wave must not exceed MOST_RAYS and yields the primary hits."""
+def trace(world: World, wave: Wave, slots: int,
+          observe: Callable[[Wave, Collision], None] | None = None) -> tuple[Film, Primary]:
+    """Traces `wave` and all its descendants. The first wave must not exceed MOST_RAYS and yields the primary hits.
+
+    `observe` is called with every wave and what became of it, before its secondary rays are traced.
+    """
     arrays = world.arrays
     film = Film(dr.zeros(arrays.Vector, slots), dr.zeros(arrays.UInt, slots), dr.zeros(arrays.UInt, slots))
     dr.make_opaque(film.color, film.generation, film.undecided)
@@ -77,7 +83,9 @@ def trace(world: World, wave: Wave, slots: int) -> tuple[Film, Primary]:
         if primary is None:
             primary = Primary(dr.select(collision.hit.index < world.object_count, collision.hit.t, dr.inf),
                               collision.point, collision.normal, collision.hit.index)
-        dr.eval(film.color, film.generation, film.undecided, collision, collision.hit.t, collision.hit.index)
+        dr.eval(film.color, film.generation, film.undecided, collision)
+        if observe:
+            observe(wave, collision)
         waves += _secondary_waves(world, wave, collision, film)
     return film, primary
 
@@ -130,6 +138,7 @@ def _gathered(world: World, wave: Wave, collision: Collision, queue, start: int)
         weight = dr.select(through, pick(arrays.Float, collision.refracted_weight), weight)
         sides = Sides.select(through, collision.refracted_sides.gather(row, active), sides)
     child = Wave(wave.generation + 1, Ray(pick(arrays.Vector, collision.point), d, sides),
-                 dr.select(active, pick(arrays.Float, wave.weight) * weight, 0), pick(arrays.UInt, wave.slot))
+                 dr.select(active, pick(arrays.Float, wave.weight) * weight, 0), pick(arrays.UInt, wave.slot),
+                 refracted=active & ((entry & REFRACTED) != 0))
     dr.eval(child.ray.o, child.ray.d, child.ray.sides.words, child.weight, child.slot)
     return child

@@ -49,7 +49,9 @@ def scene_page(scene: SceneRecord) -> str:
 
 def is_lower_bound(gate: Gate) -> bool:
     """Whether the gate asks for at least its limit; the document says only whether it holds."""
-    return gate.value is not None and gate.value != gate.limit and (gate.value > gate.limit) == gate.holds
+    if gate.value is None or math.isnan(gate.value) or gate.value == gate.limit:
+        return False
+    return (gate.value > gate.limit) == gate.holds
 
 
 def _closeness(gate: Gate) -> float:
@@ -93,11 +95,12 @@ class Tally:
 
     counts: dict[str, int]  # verdict: comparisons
     total: int
+    silent: list[Run]  # the failed runs that no comparison speaks of
 
 
 def tally(found: list[Case], failed: list[Run]) -> Tally:
     compared = {case.test.key for case in found} | {case.reference.key for case in found}
-    silent = sum(run.key not in compared for run in failed)
+    silent = [run for run in failed if run.key not in compared]
     counts = {verdict: sum(case.comparison.verdict == verdict for case in found) for verdict in VERDICTS}
-    counts["not compared"] += silent
-    return Tally(counts, len(found) + silent)
+    counts["not compared"] += len(silent)
+    return Tally(counts, len(found) + len(silent), silent)

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from comparisons.results import Series
 
 from .names import slug
+from .numbers import Number, is_plain, parts, power
 
 WIDTH, HEIGHT = 640, 400  # of the drawing, in its own units
-LEFT, RIGHT, TOP, BOTTOM = 74, 18, 14, 62  # margins
+LEFT, RIGHT, TOP, BOTTOM = 74, 18, 40, 58  # margins
 BAND = 34  # height of the band below the axis where exact zeros are drawn
 MOST_TICKS = 7
 
@@ -22,7 +23,7 @@ MARKS = ("M-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0Z", "M-4.2 -4.2H4.2V4.2H-4
 @dataclass(frozen=True)
 class Tick:
     at: float
-    value: float
+    label: Number
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,8 @@ class _Axis:
         return round(self.start + position * (self.end - self.start), 2)
 
     def ticks(self, values: list[float]) -> tuple[Tick, ...]:
-        return tuple(Tick(self.at(value), value) for value in values)
+        write = parts if all(map(is_plain, values)) else power  # one notation an axis
+        return tuple(Tick(self.at(value), write(value)) for value in values)
 
     def apart(self, values: list[float], distance: float) -> bool:
         at = [self.at(value) for value in values]

@@ -69,6 +69,7 @@ class Errors:
     depth: np.ndarray  # |t - t_reference| / t_reference
     normal: np.ndarray  # angle between the normals, radians
     objects: np.ndarray  # 0: equality is all there is to show
+    nothing: np.ndarray  # bool: neither side hits anything
     mismatch: np.ndarray  # bool: another object, or a hit on one side only
     undecided: np.ndarray  # bool: undecided on one side at least
 
@@ -86,4 +87,4 @@ def errors(reference: Planes, test: Planes) -> Errors:
         # the chord keeps its digits at small angles, where the arc cosine of a dot product has lost them
         normal = np.where(both, 2 * np.arcsin(np.minimum(chord / 2, 1)), 0)
     return Errors(*(np.where(np.isfinite(e), e, np.nan) for e in (color, depth, normal)), np.zeros(reference.shape),
-                  reference.index != test.index, reference.undecided | test.undecided)
+                  ~reference.hit & ~test.hit, reference.index != test.index, reference.undecided | test.undecided)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 MINUS, THIN = "\N{MINUS SIGN}", "\N{NARROW NO-BREAK SPACE}"
 PLAIN_FROM, PLAIN_BELOW = 0.01, 1e5  # between these a number is written without a power of ten
+NEAR_ONE, MOST_DECIMALS = 0.005, 7
 
 
 @dataclass(frozen=True)
@@ -18,24 +19,43 @@ class Number:
 
 
 def parts(value) -> Number:
-    """How `value` (a number, a bool, a text or None) is written."""
+    """How `value` (a number, a bool or None) is written."""
     if value is None:
         return Number("\N{EN DASH}")
     if isinstance(value, bool):
         return Number("yes" if value else "no")
-    if isinstance(value, str):
-        return Number(value)
     if isinstance(value, int) or (math.isfinite(value) and value == int(value) and abs(value) < PLAIN_BELOW):
         return Number(_signed(f"{int(value):,}".replace(",", THIN)))
     if math.isnan(value):
         return Number("not a number")
     if math.isinf(value):
         return Number("∞" if value > 0 else MINUS + "∞")
-    if PLAIN_FROM <= abs(value) < PLAIN_BELOW:
+    if abs(value - 1) < NEAR_ONE:
+        return _near_one(value)
+    if is_plain(value):
         return Number(_signed(_three_digits(value)))
+    return power(value)
+
+
+def is_plain(value: float) -> bool:
+    """Whether a number is written without a power of ten."""
+    return value == 0 or PLAIN_FROM <= abs(value) < PLAIN_BELOW
+
+
+def power(value: float) -> Number:
+    """A number other than 0 with its power of ten."""
     mantissa, exponent = f"{value:.1e}".split("e")
     mantissa = mantissa.removesuffix(".0")
     return Number("" if mantissa == "1" else _signed(mantissa), _signed(str(int(exponent))))
+
+
+def _near_one(value: float) -> Number:
+    """A score that is almost perfect must not be rounded to a perfect one."""
+    distance = power(abs(1 - value))
+    decimals = 1 - int(distance.exponent.replace(MINUS, "-")) if distance.exponent else 3
+    if decimals <= MOST_DECIMALS:
+        return Number(f"{value:.{decimals}f}".rstrip("0"))
+    return Number(f"1 {MINUS if value < 1 else '+'} {distance.text or 1}", distance.exponent)
 
 
 def _three_digits(value: float) -> str:

@@ -97,5 +97,5 @@ def _write_case(case: Case, planes: dict[str, Planes], missing: dict[str, str], 
     for kind, error in errors.named().items():
         file = f"{ERRORS}/{case.anchor}-{kind}.png"
         write_8_bit(scale.paint(error, errors.mismatch, errors.undecided), report / file)
-        written[kind] = Map(file, spread(error, errors.mismatch, errors.undecided))
+        written[kind] = Map(file, spread(error, errors))
     return Maps(written)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import scale
+from .maps import Errors
+from .scale import Swatch
 
 BINS_A_DECADE = 4
 
@@ -22,23 +24,27 @@ class Bar:
 
 @dataclass(frozen=True)
 class Spread:
+    """Numbers of pixels; each pixel is counted once, as what `scale.paint` shows it."""
+
     pixels: int
-    equal: int
-    mismatch: int
-    undecided: int
-    non_finite: int
-    largest: float | None  # over the pixels that none of the marks above takes; None if there is no such pixel
+    nothing: int  # equal, and neither side hits anything: a large empty background proves nothing
+    equal: int  # equal, and something is hit
+    marked: tuple[tuple[Swatch, int], ...]  # each mark outside the scale that occurs
+    largest: float | None  # over the pixels without a mark; None if every pixel has one
     bars: tuple[Bar, ...]
 
 
-def spread(error: np.ndarray, mismatch: np.ndarray, undecided: np.ndarray) -> Spread:
-    """Counts pixels as `scale.paint` colours them, each once."""
+def spread(error: np.ndarray, errors: Errors) -> Spread:
+    """How one error plane of `errors` is spread."""
     non_finite = ~np.isfinite(error)
-    undecided = undecided & ~non_finite
-    mismatch = mismatch & ~undecided & ~non_finite
-    measured = error[~(non_finite | undecided | mismatch)]
-    return Spread(error.size, int((measured == 0).sum()), int(mismatch.sum()), int(undecided.sum()),
-                  int(non_finite.sum()), float(measured.max()) if measured.size else None, _bars(measured))
+    undecided = errors.undecided & ~non_finite
+    mismatch = errors.mismatch & ~undecided & ~non_finite
+    measured = ~(non_finite | undecided | mismatch)
+    equal = measured & (error == 0)
+    marks = zip(scale.MARKS, (mismatch, undecided, non_finite))
+    return Spread(error.size, int((equal & errors.nothing).sum()), int((equal & ~errors.nothing).sum()),
+                  tuple((swatch, int(mask.sum())) for swatch, mask in marks if mask.any()),
+                  float(error[measured].max()) if measured.any() else None, _bars(error[measured]))
 
 
 def _bars(measured: np.ndarray) -> tuple[Bar, ...]:

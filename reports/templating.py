@@ -10,7 +10,7 @@ from .decisions import pieces
 from .numbers import parts
 from .pages.page import Page
 from .report import Report
-from .words import STATES, VERDICTS, metric
+from .words import KEY_METRICS, STATES, VERDICTS, metric, sentence
 
 STATIC = ("report.css", "report.js")
 
@@ -18,9 +18,9 @@ STATIC = ("report.css", "report.js")
 def environment() -> Environment:
     templates = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined,
                             trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    templates.filters.update(parts=parts, metric=metric, pieces=pieces, page_of=scene_page)
+    templates.filters.update(parts=parts, metric=metric, sentence=sentence, pieces=pieces, page_of=scene_page)
     templates.tests.update(lower_bound=is_lower_bound)
-    templates.globals.update(scale=scale, VERDICTS=VERDICTS, STATES=STATES)
+    templates.globals.update(scale=scale, VERDICTS=VERDICTS, STATES=STATES, KEY_METRICS=KEY_METRICS)
     return templates
 
 

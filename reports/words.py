@@ -25,12 +25,21 @@ VERDICTS = {  # worst first
     "agrees": Verdict("agrees", "Agrees", "Every measured number keeps its limit."),
 }
 
+@dataclass(frozen=True)
+class State:
+    """Why a run has no picture."""
+
+    word: str
+    means: str
+    is_fault: bool
+
+
 STATES = {  # worst first
-    "crashed": "Crashed: the program ended with an error",
-    "timeout": "Timed out: the program was stopped at its time limit",
-    "malformed": "Malformed: the program ended normally, but what it wrote is no picture",
-    "missing": "Missing: the program is not installed on this machine",
-    "refused": "Refused: the program cannot express this scene, and says why",
+    "crashed": State("Crashed", "the program ended with an error", True),
+    "timeout": State("Timed out", "the program was stopped at its time limit", True),
+    "malformed": State("Malformed", "the program ended normally, but what it wrote is no picture", True),
+    "missing": State("Missing", "the program is not installed on this machine", False),
+    "refused": State("Refused", "the program cannot express this scene, and says why", False),
 }
 
 TRUTHS = {
@@ -44,16 +53,29 @@ LITERAL = ("The test side is a truth as well, of another kind: the document’s 
            "the ray in fixed steps and starts Newton’s method in the middle of one. What differs here is what those steps "
            "miss, and is the method’s own, not a defect of the program.")
 
+KEY_METRICS = ("object mismatches", "failing pixels", "color max")  # what to show of a comparison without gates
+
 _METRICS = {
-    "max": ("largest error", "the largest difference of any channel of any pixel"),
-    "p99": ("99th percentile", "99 % of the pixels differ by less"),
-    "p50": ("median", "half of the pixels differ by less"),
-    "mean": ("mean error", "the mean difference"),
-    "mse": ("MSE", "mean squared error; 0 is equality"),
-    "rmse": ("RMSE", "square root of the mean squared error; 0 is equality"),
-    "psnr": ("PSNR", "peak signal-to-noise ratio, in decibels: the higher the closer; 48 is one 8-bit level"),
-    "ssim": ("SSIM", "structural similarity; 1 is equality"),
-    "flip": ("FLIP", "mean difference as a viewer sees it when flipping between the pictures; 0 is equality"),
+    "pixels": "all pixels of the picture",
+    "interior pixels": "those away from silhouettes: one object all around, and no ray that grazes it",
+    "hit pixels": "those whose centre’s ray hits something in the reference",
+    "hit/miss mismatches": "pixels that hit something on one side only",
+    "object mismatches": "pixels where another object, or none, was hit",
+    "interior mismatches": "the same, counted away from silhouettes only",
+    "depth p99": "99 % of the interior pixels have a smaller relative error of depth",
+    "depth max": "the largest relative error of depth of an interior pixel",
+    "normal p99 degrees": "99 % of the interior pixels have normals closer than this",
+    "normal max degrees": "the largest angle between normals of an interior pixel",
+    "not finite": "pixels with a channel that is NaN or infinite",
+    "color max": "the largest difference of any linear channel of any pixel",
+    "color p99": "99 % of the pixels differ by less",
+    "color mean": "the mean over the pixels",
+    "failing pixels": "pixels off by more than 1/255, one step of an 8-bit picture",
+    "clustered failing pixels": "failing pixels whose eight neighbours fail too: a region, not an edge",
+    "mse": "mean squared error; 0 is equality",
+    "psnr": "peak signal-to-noise ratio in decibels; higher is closer, 48 is one 8-bit step everywhere",
+    "ssim": "structural similarity; 1 is equality",
+    "flip mean": "what a viewer sees when flipping between the pictures; 0 is nothing",
 }
 
 
@@ -65,8 +87,13 @@ class Metric:
 
 def metric(name: str) -> Metric:
     """The words for a metric's name; a name that is not known stands for itself."""
-    label, means = _METRICS.get(name.lower(), (name.replace("_", " "), ""))
-    return Metric(label, means)
+    return Metric(name.replace("_", " ").replace("color", "colour"), _METRICS.get(name.lower(), ""))
+
+
+def sentence(text: str) -> str:
+    """`text` with a capital at its beginning and a full stop at its end."""
+    text = text.strip()
+    return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".!?" else ".")
 
 
 def truth_sentences(against: str, test: Run) -> list[str]:

@@ -93,9 +93,9 @@ class _Tracer:
             shadow_dir = dr.normalize(position - hit.p)
             cos = dr.dot(shadow_dir, hit.normal)
             origin = spawn(hit.p, hit.facet, shadow_dir)
-            intensity, unsure = self.crossings.light_through(origin, shadow_dir, dr.norm(position - origin), sides,
-                                                   active & (cos > 0))
-            total += brightness * dr.select(active & (cos > 0), cos * intensity, 0)
+            lit = active & (cos > 0)
+            intensity, unsure = self.crossings.light_through(origin, shadow_dir, dr.norm(position - origin), sides, lit)
+            total += brightness * dr.select(lit, cos * intensity, 0)
             lost |= unsure
             j += 1
         return total, lost

@@ -32,6 +32,8 @@ def choose(method: str, surface, tracing, arrays) -> FirstHit:
         case "descartes":
             return Descartes() if surface.degree is not None else cheapest_exact(surface)
         case "proof":
+            if arrays.precision != 64:
+                raise InputError("the method proof rounds outwards in double precision; use --precision 64")
             return Proof()
         case "interval":
             return IntervalMethod()

@@ -11,10 +11,9 @@ from ..numbers import Polynomial
 from .interface import Crossing, LocalRay, Solid
 from .refine import safeguarded_newton
 
-NARROWEST = 2.0**-30  # of the searched range; a pair of roots closer than that drowns in rounding anyway
 MOST_SEGMENTS = 500
-TOLERANCE = 1e-15  # of the root within its bracket
-NOISE = 2.0**-46  # rounding of a Bernstein coefficient, relative to the sum of the terms' absolute values
+NOISE = 2.0**7  # units of rounding in a Bernstein coefficient, relative to the sum of the terms' absolute values
+NARROWEST = 2.0**-7  # of the width at which a pair of roots drowns in that rounding, sqrt(NOISE)
 
 
 @dataclass
@@ -45,7 +44,7 @@ class Descartes:
         found = scan.count > 0
         # f itself, not its coefficients, which lose digits: a root of f to the last one
         t, iterations = safeguarded_newton(lambda t: solid.slope_at(ray, t, solid.regular), scan.t, scan.end, inside,
-                                           found, TOLERANCE)
+                                           found)
         return Crossing(found, t, t, scan.undecided, scan.segments + 2 * iterations)
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
@@ -58,7 +57,8 @@ class Descartes:
         start, stop = solid.search_range(ray, inside, limit)
         scale = dr.maximum(stop - start, 0)
         a = solid.polynomial(*Polynomial.along(ray.at(start), ray.d * scale)).c  # g in u, t = start + u scale
-        noise = NOISE * sum((dr.abs(c) for c in a[1:]), dr.abs(a[0]))
+        rounding = NOISE * dr.epsilon(Float)
+        noise = rounding * sum((dr.abs(c) for c in a[1:]), dr.abs(a[0]))
         u, w = dr.zeros(Float, dr.width(scale)), Float(1)
         side = Bool(inside)
         count, segments = UInt(0), UInt(0)
@@ -67,7 +67,7 @@ class Descartes:
         while active:
             w = dr.minimum(w, 1 - u)
             variations, certain, end_inside = _sign_variations(a, u, w, side, noise)
-            narrow = w <= NARROWEST
+            narrow = w <= NARROWEST * math.sqrt(rounding)
             none, one = certain & (variations == 0), certain & (variations == 1)
             passed = none | (narrow & ~one & (end_inside == side))
             hit = one | (narrow & ~none & (end_inside != side))

@@ -10,9 +10,8 @@ from ..numbers import Interval
 from .interface import Crossing, LocalRay, Solid
 from .refine import safeguarded_newton
 
-NARROWEST = 1e-13  # relative width below which a segment is not divided any more
+NARROWEST = 2.0**10  # units of rounding; the relative width below which a segment is not divided any more
 MOST_SEGMENTS = 20_000
-TOLERANCE = 1e-15  # of the root within its bracket
 
 
 @dataclass
@@ -43,7 +42,7 @@ class IntervalMethod:
         scan = self._scan(solid, ray, inside, limit, only_first=dr.mask_t(limit)(True))
         found = scan.count > 0
         t, iterations = safeguarded_newton(lambda t: solid.slope_at(ray, t, solid.regular), scan.t, scan.end, inside,
-                                           found, TOLERANCE)
+                                           found)
         return Crossing(found, t, t, scan.undecided, 3 * scan.segments + 2 * iterations)
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
@@ -68,7 +67,7 @@ class IntervalMethod:
             crossed = dr.select(side, end_outside, end_inside)
             stayed = dr.select(side, end_inside, end_outside)
             simple = slope.excludes_zero() | g.excludes_zero() | self._bounded_away(g_start, g_end, slope, w, side)
-            narrow = w <= NARROWEST * dr.maximum(1, dr.abs(t))
+            narrow = w <= NARROWEST * dr.epsilon(Float) * dr.maximum(1, dr.abs(t))
             hit = crossed & (simple | narrow)
             passed = ~hit & ((stayed & simple) | narrow)
             # narrow, yet neither excluded nor crossed: two crossings closer than NARROWEST may hide here

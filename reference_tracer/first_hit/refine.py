@@ -6,13 +6,15 @@ import drjit as dr
 
 
 @dr.syntax
-def safeguarded_newton(slope_at, low, high, inside, active, tolerance: float, most: int = 80):
+def safeguarded_newton(slope_at, low, high, inside, active, most: int = 80):
     """The root in [low, high] of a function that is on side `inside` at low and on the other at high.
 
     Newton's step where it stays inside the bracket and at least halves the previous one, bisection elsewhere
-    (rtsafe in Press et al., Numerical Recipes). Stops when a step is below tolerance * max(1, |t|) (decision M6).
+    (rtsafe in Press et al., Numerical Recipes). Stops when a step is below 8 units of rounding of max(1, |t|)
+    (decision M6).
     Returns t and the number of iterations. `slope_at(t)` gives g(t) and g'(t).
     """
+    tolerance = 8 * dr.epsilon(type(low))
     t = 0.5 * (low + high)
     low, high = type(t)(low), type(t)(high)
     last_step = high - low

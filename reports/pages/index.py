@@ -8,12 +8,13 @@ from .page import Page
 
 
 def pages(report: Report) -> list[Page]:
-    groups = [(words, [case for case in report.cases if case.comparison.verdict == verdict])
-              for verdict, words in VERDICTS.items()]
-    states = [(sentence, [run for run in report.failed if run.state == state]) for state, sentence in STATES.items()]
+    groups = [(words, [case for case in report.cases if case.comparison.verdict == verdict],
+               report.tally.silent if verdict == "not compared" else []) for verdict, words in VERDICTS.items()]
+    states = [(state, [run for run in report.failed if run.state == state]) for state in STATES]
     return [Page("index.html", "index.html.j2", {
-        "groups": [(words, members) for words, members in groups if members],
-        "states": [(sentence, runs) for sentence, runs in states if runs],
+        "groups": [group for group in groups if group[1] or group[2]],
+        "titles": {scene.name: scene.title or scene.name for scene in report.results.scenes},
+        "states": [(state, runs) for state, runs in states if runs],
         "verdicts": VERDICTS,
         "truths": TRUTHS,
         "scenes": [(scene, report.main_picture(scene), report.of_scene(scene)) for scene in report.results.scenes],

@@ -9,11 +9,11 @@ import numpy as np
 
 from reference_tracer.backend import backend
 from reference_tracer.rays import BITS, Ray, Sides
+from reference_tracer.render import camera_wave
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
+from reference_tracer.wavefront import trace
 from reference_tracer.world import World, is_inside
-
-METHODS = ("paper", "exact", "interval")
 
 
 def thing(kind: str, center=(0, 0, 0), *, material: dict | None = None, rotation: dict | None = None,
@@ -65,6 +65,33 @@ def shine(scene: Scene, o, d, distance, method: str = "exact", inside=None) -> n
     intensity, _ = world.light_through(ray, arrays.Float(np.broadcast_to(distance, count).astype(float).copy()),
                                        arrays.Bool(np.ones(count, bool)))
     return np.broadcast_to(intensity.numpy(), count).copy()
+
+
+@dataclass
+class Generation:
+    """The rays of one generation, in the order of their pixels."""
+
+    pixel: np.ndarray  # (n,)
+    o: np.ndarray  # (n, 3)
+    d: np.ndarray  # (n, 3)
+    weight: np.ndarray  # (n,), share in the pixel's colour
+
+
+def follow(scene: Scene, method: str = "exact") -> list[Generation]:
+    """All rays that the picture of `scene` takes, generation by generation, the camera's rays first."""
+    world = World(scene, method, backend())
+    waves = []
+    pixels = scene.camera.width * scene.camera.height
+    trace(world, camera_wave(world, world.camera_sides(), 0, pixels, 1), slots=max(pixels, 2),
+          observe=lambda wave, _: waves.append((wave.generation, wave.slot.numpy(), wave.ray.o.numpy().T,
+                                                wave.ray.d.numpy().T, wave.weight.numpy())))
+    generations = []
+    for k in range(1 + max(wave[0] for wave in waves)):
+        slot, o, d, weight = (np.concatenate(column) for column in zip(*(w[1:] for w in waves if w[0] == k)))
+        order = np.argsort(slot, kind="stable")
+        order = order[weight[order] > 0]  # without the padding of queues
+        generations.append(Generation(slot[order], o[order], d[order], weight[order]))
+    return generations
 
 
 def _rays(scene, method, o, d, inside):

@@ -1,0 +1,23 @@
+import pytest
+
+from reference_tracer.scene.model import Camera, Object, Scene
+
+
+@pytest.fixture
+def scene_of():
+    """A scene of the given surfaces or objects, seen by a small camera."""
+    def build(*things, width=96, height=72, **parts):
+        objects = tuple(t if isinstance(t, Object) else Object(surface=t) for t in things)
+        return Scene(objects=objects, **{"camera": Camera(width=width, height=height), **parts})
+    return build
+
+
+@pytest.fixture
+def mesh_of(scene_of):
+    """The mesh of one surface or object alone in a scene."""
+    from converters.mesh import mesh_object
+
+    def build(thing, resolution=64, **parts):
+        scene = scene_of(thing, **parts)
+        return mesh_object(scene.objects[0], scene, resolution)
+    return build

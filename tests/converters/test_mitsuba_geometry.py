@@ -1,0 +1,189 @@
+"""Converted scenes: Mitsuba's intersections against closed forms and against the exact reference."""
+
+import numpy as np
+import pytest
+
+from comparisons.renderers.mitsuba import render as render_mitsuba
+from converters.mitsuba import convert, pixel_directions, sensor
+from converters.mitsuba.variant import mi
+from reference_tracer.camera import canvas_point, frame
+from reference_tracer.errors import InputError
+from reference_tracer.render import render
+from reference_tracer.scene.model import Camera, Material, Object, Rotation, Tracing
+from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from reference_tracer.world import rotation_matrix
+
+ASKEW = Camera(position=(0.3, 0.5, -1.0), direction=(0.1, -0.2, 1.0), up=(0.2, 1.0, 0.1), fov=50.0, width=96, height=72)
+
+
+def rays(camera):
+    """(h * w, 3): the camera's directions, written out from section 2."""
+    f = frame(camera)
+    row, col = np.mgrid[:camera.height, :camera.width]
+    x, y = canvas_point(f, row.ravel(), col.ravel(), 0, 0, 1)
+    d = x[:, None] * f.v_x + y[:, None] * f.v_y + f.v_dir
+    return d / np.linalg.norm(d, axis=1, keepdims=True)
+
+
+def quadric_depth(o, d, matrix):
+    """The first positive t with (o + t d)^T matrix (o + t d) = 1, infinity where there is none."""
+    a, b, c = (np.einsum("...i,ij,...j->...", u, matrix, v) for u, v in ((d, d), (o, d), (o, o)))
+    with np.errstate(invalid="ignore"):
+        root = np.sqrt(b * b - a * (c - 1))
+        near, far = (-b - root) / a, (-b + root) / a
+    t = np.where(near > 0, near, far)
+    return np.where(np.isnan(t) | (t <= 0), np.inf, t)
+
+
+def relative_p99(found, expected, normal, d):
+    """The 99th percentile of the relative depth error away from silhouettes; hits and misses must agree."""
+    hit = np.isfinite(expected)
+    assert hit.sum() > 300 and (np.isfinite(found) == hit).all()
+    facing = hit & (np.abs(np.einsum("...i,...i->...", normal, d)) > 0.2)
+    return np.quantile(np.abs(found - expected)[facing] / expected[facing], 0.99)
+
+
+@pytest.mark.parametrize("a, b, c, degrees", [(1.0, 1.0, 1.0, 0.0), (0.9, 0.4, 0.6, 35.0)], ids=["sphere", "ellipsoid"])
+@pytest.mark.parametrize("within", [False, True], ids=["from outside", "from inside"])
+def test_native_quadric(scene_of, a, b, c, degrees, within):
+    surface = Sphere(center=(0.4, 0.1, 3.0), r=a) if a == b else Ellipsoid(center=(0.4, 0.1, 3.0), a=a, b=b, c=c)
+    obj = Object(surface=surface, rotation=Rotation(axis=(1.0, 1.0, 0.0), degrees=degrees))
+    camera = ASKEW.model_copy(update={"position": (0.45, 0.2, 3.1)}) if within else ASKEW
+    picture = render_mitsuba(scene_of(obj, camera=camera), shapes="native", repeats=0)
+    assert picture.metadata["native_shapes"] == 1 and picture.metadata["triangles"] == 0
+    turn = rotation_matrix(obj.rotation)
+    d, o = rays(camera), np.array(camera.position) - np.array(surface.center)
+    t = quadric_depth(o, d, turn @ np.diag([a**-2, b**-2, c**-2]) @ turn.T).reshape(picture.t.shape)
+    assert relative_p99(picture.t, t, picture.normal, d.reshape(*t.shape, 3)) <= 5e-6
+    hit = np.isfinite(t)
+    p = o + t[hit, None] * d.reshape(*t.shape, 3)[hit]
+    normal = p @ (turn @ np.diag([a**-2, b**-2, c**-2]) @ turn.T)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True) * (-1 if within else 1)  # against the ray (N1)
+    assert np.quantile(np.linalg.norm(picture.normal[hit] - normal, axis=1), 0.99) <= 5e-6
+
+
+@pytest.mark.parametrize("shapes", ["native", "mesh"])
+def test_plane(scene_of, shapes):
+    """t = (center - o) . n / (d . n), cut off at max_distance (decision M5)."""
+    n, center = np.array([0.2, 1.0, -0.1]), np.array([0.0, -1.0, 0.0])
+    plane = Object(surface=Plane(center=tuple(center.tolist()), a=0.2, b=1.0, c=-0.1))
+    picture = render_mitsuba(scene_of(plane, camera=ASKEW, tracing=Tracing(max_distance=12.0)), shapes=shapes, repeats=0)
+    d = rays(ASKEW)
+    with np.errstate(divide="ignore"):
+        t = (center - np.array(ASKEW.position)) @ n / (d @ n)
+    t = np.where((t > 0) & (t <= 12), t, np.inf).reshape(picture.t.shape)
+    assert np.isinf(t).any()
+    hit = np.isfinite(t)
+    assert (np.isfinite(picture.t) == hit).all()
+    assert np.quantile(np.abs(picture.t - t)[hit] / t[hit], 0.99) <= 5e-6
+    assert np.abs(picture.normal[hit] - n / np.linalg.norm(n)).max() < 1e-6
+
+
+@pytest.mark.parametrize("surface", [
+    Torus(center=(0.0, 0.0, 3.5), R=0.8, r=0.3), Heart(center=(0.0, 0.0, 3.0)),
+    Paraboloid(center=(0.0, -0.5, 3.0), a=0.7, b=0.9), Sphere(center=(0.0, 0.0, 3.0), r=1.0),
+    Expression(center=(0.0, 0.0, 3.0), formula="x**4 + y**4 + z**4 - 1")], ids=lambda s: s.type)
+def test_meshes_against_the_exact_reference(scene_of, surface):
+    """Resolution 256: depth to 1e-4 away from silhouettes; a silhouette may claim a pixel."""
+    scene = scene_of(Object(surface=surface, rotation=Rotation(axis=(1.0, 0.2, 0.0), degrees=50.0)), width=160, height=120)
+    exact = render(scene, "exact")
+    picture = render_mitsuba(scene, shapes="mesh", resolution=256, repeats=0)
+    both = np.isfinite(exact.t) & np.isfinite(picture.t)
+    assert both.sum() > 1000 and (np.isfinite(exact.t) != np.isfinite(picture.t)).sum() <= 3
+    d = rays(scene.camera).reshape(*exact.t.shape, 3)
+    facing = both & (np.abs(np.einsum("...i,...i->...", exact.normal, d)) > 0.2)
+    assert np.quantile(np.abs(picture.t - exact.t)[facing] / exact.t[facing], 0.99) <= 1e-4
+    assert np.quantile(np.linalg.norm(picture.normal - exact.normal, axis=-1)[facing], 0.99) <= 1e-3
+
+
+def test_depth_of_meshes_falls_with_the_square_of_the_resolution(scene_of):
+    scene = scene_of(Torus(center=(0.0, 0.0, 3.0), R=0.8, r=0.3))
+    exact = render(scene, "exact")
+    errors = []
+    for resolution in (32, 64, 128):
+        picture = render_mitsuba(scene, shapes="mesh", resolution=resolution, repeats=0)
+        both = np.isfinite(exact.t) & np.isfinite(picture.t) & (np.abs(exact.normal[..., 2]) > 0.3)
+        errors.append(np.sqrt(np.mean((picture.t - exact.t)[both] ** 2)))
+    assert 3.4 < errors[0] / errors[1] < 4.6 and 3.4 < errors[1] / errors[2] < 4.6
+
+
+@pytest.mark.parametrize("camera", [ASKEW, Camera(width=50, height=80, fov=90.0)], ids=["askew", "portrait"])
+def test_the_sensor_looks_along_our_rays(camera):
+    assert np.abs(pixel_directions(sensor(camera)).reshape(-1, 3) - rays(camera)).max() < 1e-6
+
+
+def test_a_mirrored_sensor_is_found(scene_of, monkeypatch):
+    """The wrong implementation: without the scale Mitsuba's picture is mirrored left to right."""
+    def mirrored(camera):
+        f = frame(camera)
+        return mi.load_dict({
+            "type": "perspective", "fov": camera.fov, "fov_axis": "larger",
+            "to_world": mi.ScalarTransform4f().look_at(origin=f.v_pos.tolist(), target=(f.v_pos + f.v_dir).tolist(),
+                                                       up=f.v_y.tolist()),
+            "film": {"type": "hdrfilm", "width": camera.width, "height": camera.height}})
+
+    scene = scene_of(Sphere(center=(0.0, 0.0, 3.0), r=1.0))
+    assert render_mitsuba(scene, shapes="native", repeats=0).metadata["camera_difference"] < 1e-6
+    monkeypatch.setattr("converters.mitsuba.scene.sensor", mirrored)
+    assert render_mitsuba(scene, shapes="native", repeats=0).metadata["camera_difference"] > 0.1
+
+
+def test_swapped_winding_is_found(scene_of, monkeypatch):
+    """The wrong implementation: a mesh turned inside out offers no crossing to a ray that is outside of it."""
+    from dataclasses import replace
+
+    from converters.mesh import mesh_object
+
+    scene = scene_of(Sphere(center=(0.0, 0.0, 3.0), r=1.0))
+    sound = render_mitsuba(scene, shapes="mesh", resolution=32, repeats=0)
+
+    def inside_out(*arguments):
+        mesh = mesh_object(*arguments)
+        return replace(mesh, faces=mesh.faces[:, ::-1])
+
+    monkeypatch.setattr("converters.mitsuba.scene.mesh_object", inside_out)
+    wrong = render_mitsuba(scene, shapes="mesh", resolution=32, repeats=0)
+    front = np.isfinite(sound.t)
+    assert (wrong.t[front] > sound.t[front] + 0.1)[sound.normal[front][:, 2] < -0.5].all()
+
+
+def test_objects_keep_their_numbers(scene_of):
+    """Spheres side by side, one of them stretched, in an order that is not that of their kinds."""
+    objects = [Sphere(center=(-1.5, 0.0, 5.0), r=0.4), Ellipsoid(center=(-0.5, 0.0, 5.0), a=0.4, b=0.4, c=0.3),
+               Torus(center=(0.5, 0.0, 5.0), R=0.3, r=0.1), Sphere(center=(1.5, 0.0, 5.0), r=0.4),
+               Plane(center=(0.0, 0.0, 8.0), a=0.0, b=0.0, c=-1.0)]
+    for shapes in ("native", "mesh"):
+        picture = render_mitsuba(scene_of(*objects), shapes=shapes, resolution=32, repeats=0)
+        exact = render(scene_of(*objects), "exact")
+        assert set(np.unique(picture.index)) == {0, 1, 2, 3, 4}
+        assert (picture.index != exact.index).mean() < 5e-3
+
+
+def test_how_objects_were_converted(scene_of):
+    scene = scene_of(Sphere(r=1.0), Ellipsoid(a=1.0, b=1.0, c=2.0), Plane(a=0.0, b=1.0, c=0.0), Heart(),
+                     Plane(a=0.0, b=1.0, c=0.0, center=(0.0, 500.0, 0.0)))
+    native, meshes = convert(scene, "native", 32), convert(scene, "mesh", 32)
+    assert [p.kind for p in native.parts] == ["sphere", "stretched sphere", "rectangle", "mesh", "nothing"]
+    assert [p.kind for p in meshes.parts] == ["mesh"] * 4 + ["nothing"]
+    assert native.triangles == native.parts[3].triangles > 0
+    fine = convert(scene_of(Torus(R=1.0, r=0.5)), "mesh", error=1e-3)
+    assert fine.parts[0].error <= 1e-3
+    with pytest.raises(InputError, match="native, mesh"):
+        convert(scene, "meshes")
+
+
+def test_no_object_within_reach(scene_of):
+    background = (0.25, 0.5, 0.75)  # exact in fp32
+    picture = render_mitsuba(scene_of(Sphere(center=(0.0, 0.0, -50.0), r=1.0), Plane(a=0.0, b=1.0, c=0.0, center=(
+        0.0, 500.0, 0.0)), background=background), shapes="mesh", resolution=16, repeats=0)
+    assert (picture.color == background).all() and np.isinf(picture.t).all() and (picture.index == -1).all()
+    assert (picture.status == 0).all() and np.isnan(picture.normal).all()
+
+
+def test_max_distance_ends_every_ray(scene_of):
+    mirror = Object(surface=Plane(a=0.0, b=0.0, c=-1.0, center=(0.0, 0.0, 6.0)), material=Material(reflection=1.0))
+    behind = Plane(a=0.0, b=0.0, c=1.0, center=(0.0, 0.0, -5.0))
+    for max_distance, expected in ((10.0, 0.5), (12.0, 0.0)):  # the way from the mirror to the wall behind is 11
+        picture = render_mitsuba(scene_of(mirror, behind, background=(0.5, 0.5, 0.5), width=1, height=1,
+                                          tracing=Tracing(max_distance=max_distance)), shapes="native", repeats=0)
+        assert picture.color[0, 0] == pytest.approx([expected] * 3)  # the wall is unlit
