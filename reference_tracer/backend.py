@@ -24,6 +24,7 @@ class Backend:
     UInt: type
     Bits: type
     Bool: type
+    PCG32: type  # random numbers
 
     def constant(self, value: float):
         """A number that kernels read at run time, so that another value needs no recompilation."""
@@ -51,7 +52,7 @@ def backend(precision: int = 64, device: str = "llvm") -> Backend:
     return Backend(device, precision,
                    Float=getattr(arrays, f"Float{precision}"),
                    Vector=arrays.Array3f64 if precision == 64 else arrays.Array3f,
-                   UInt=arrays.UInt32, Bits=arrays.UInt64, Bool=arrays.Bool)
+                   UInt=arrays.UInt32, Bits=arrays.UInt64, Bool=arrays.Bool, PCG32=arrays.PCG32)
 
 
 def use_threads(count: int | None) -> int:

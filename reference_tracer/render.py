@@ -13,10 +13,28 @@ from .backend import Backend, backend, use_threads
 from .camera import canvas_point, frame
 from .rays import Ray, Sides
 from .scene.model import Scene
+from .shading import Collision
 from .wavefront import MOST_RAYS, Film, Primary, Wave, trace
 from .world import World
 
 MISS, HIT, UNDECIDED = 0, 1, 2  # of the status plane
+
+
+class Watch:
+    """Looks into a render: what it does by default is nothing. Slots of a wave count from the band's first pixel."""
+
+    def begin(self, world: World, first: int, count: int) -> None:
+        """A band of pixels [first, first + count) in row order begins."""
+
+    def disturb(self, wave: Wave) -> Ray:
+        """The rays to trace in place of the wave's."""
+        return wave.ray
+
+    def observe(self, wave: Wave, collision: Collision) -> None:
+        """What became of a wave."""
+
+    def end(self) -> None:
+        """The band is done."""
 
 
 @dataclass
@@ -38,11 +56,12 @@ class Picture:
 
 
 def render(scene: Scene, method: str = "exact", *, precision: int = 64, device: str = "llvm",
-           threads: int | None = None, progress: Callable[[float], None] | None = None) -> Picture:
+           threads: int | None = None, progress: Callable[[float], None] | None = None,
+           watch: Watch | None = None) -> Picture:
     """Renders `scene` with a first-hit method ("paper", "exact", ...).
 
-    `progress` is called with the finished fraction after every band. Raises InputError for an unknown method or an
-    unusable device.
+    `progress` is called with the finished fraction after every band; `watch` sees, and may disturb, every wave of
+    rays. Raises InputError for an unknown method or an unusable device.
     """
     arrays = backend(precision, device)
     used_threads = use_threads(threads)
@@ -58,7 +77,7 @@ def render(scene: Scene, method: str = "exact", *, precision: int = 64, device: 
     rays = 0
     for first in range(0, pixels, band):
         count = min(band, pixels - first)
-        rays += _render_band(world, sides, first, count, samples, planes)
+        rays += _render_band(world, sides, first, count, samples, planes, watch)
         if progress:
             progress((first + count) / pixels)
     picture = Picture(scene=scene, **{name: plane.reshape(height, width, *plane.shape[1:])
@@ -75,10 +94,16 @@ def _empty_planes(pixels: int) -> dict[str, np.ndarray]:
             "depth": np.empty(pixels, np.uint8), "status": np.empty(pixels, np.uint8)}
 
 
-def _render_band(world: World, sides: Sides, first: int, count: int, samples: int, planes) -> int:
+def _render_band(world: World, sides: Sides, first: int, count: int, samples: int, planes, watch: Watch | None) -> int:
     """Renders pixels [first, first + count) in row order into `planes`; returns the number of rays traced."""
     per_pixel = samples * samples
-    film, primary = trace(world, camera_wave(world, sides, first, count, samples), slots=max(count, 2))
+    wave = camera_wave(world, sides, first, count, samples)
+    if watch:
+        watch.begin(world, first, count)
+        film, primary = trace(world, wave, max(count, 2), watch.observe, watch.disturb)
+        watch.end()
+    else:
+        film, primary = trace(world, wave, max(count, 2))
     rays = film.rays
     if samples > 1:  # the geometry planes belong to the pixel's centre
         centres = camera_wave(world, sides, first, count, 1)

@@ -24,12 +24,14 @@ class Collision:
     color: object  # Vector, visibleColor (1 - reflection) (1 - transparency), or the background
     smooth: object  # Bool, the gradient exists there
     lights_asked: object  # UInt, shadow rays traced
+    lights_reached: object  # UInt, how many of them reached their light
     lights_undecided: object  # UInt, how many of them are undecided
     reflected: object | None  # Vector, direction
     reflected_weight: object | None  # Float
     refracted: object | None  # Vector, direction
     refracted_weight: object | None  # Float
     refracted_sides: Sides | None
+    total_reflection: object | None  # Bool
 
     @property
     def undecided(self):
@@ -60,12 +62,12 @@ def collide(world: World, ray: Ray, active) -> Collision:
     R = material.reflection if world.reflective else 0.0
     T = material.transparency if world.transparent else 0.0
     local_weight = dr.select(met, (1.0 - R) * (1.0 - T), 0)
-    illumination, asked, unsure = _illumination(world, ray, point, normal, met & (local_weight > 0))
+    illumination, asked, reached, unsure = _illumination(world, ray, point, normal, met & (local_weight > 0))
     background = world.arrays.Vector(*world.background)
     color = dr.select(met, material.color * illumination * local_weight, dr.select(active, background, 0))
 
     hit.undecided &= active
-    collision = Collision(hit, point, normal, color, smooth, asked, unsure, None, None, None, None, None)
+    collision = Collision(hit, point, normal, color, smooth, asked, reached, unsure, *[None] * 6)
     if world.reflective or world.transparent:
         collision.reflected = dr.normalize(reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
         collision.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
@@ -78,11 +80,11 @@ def collide(world: World, ray: Ray, active) -> Collision:
 def _illumination(world: World, ray: Ray, point, normal, active):
     """Section 4.3.1: the sum over lights of max(cos(phi), 0) * brightness * intensity (decisions L1 to L3).
 
-    Returns (Vector, UInt shadow rays traced, UInt undecided ones).
+    Returns (Vector, UInt shadow rays traced, UInt those that reached their light, UInt undecided ones).
     """
     UInt = world.arrays.UInt
     total = world.arrays.Vector(0, 0, 0)
-    asked, undecided, j = UInt(0), UInt(0), UInt(0)
+    asked, reached, undecided, j = UInt(0), UInt(0), UInt(0), UInt(0)
     while j < world.light_count:
         position, brightness = world.light(j)
         to_light = position - point
@@ -94,9 +96,10 @@ def _illumination(world: World, ray: Ray, point, normal, active):
         intensity, unsure = world.light_through(Ray(point, shadow_dir, ray.sides), distance, faces)
         total += brightness * dr.select(intensity > 0, cos * intensity, 0)
         asked += dr.select(faces, UInt(1), 0)
+        reached += dr.select(faces & (intensity > 0), UInt(1), 0)
         undecided += dr.select(unsure, UInt(1), 0)
         j += 1
-    return total, asked, undecided
+    return total, asked, reached, undecided
 
 
 def _add_refraction(world: World, ray: Ray, collision: Collision, material: Material, cos1, met):
@@ -106,7 +109,8 @@ def _add_refraction(world: World, ray: Ray, collision: Collision, material: Mate
     n1, n2 = dr.select(leaving, n, 1), dr.select(leaving, 1, n)
     refraction = refract(ray.d, collision.normal, cos1, n1, n2, world.scene.tracing.refraction == "as_printed")
     # total internal reflection keeps the weight T; the direction it shares with the reflection is traced once (R3)
-    collision.reflected_weight += dr.select(met & refraction.total, T, 0)
+    collision.total_reflection = met & refraction.total
+    collision.reflected_weight += dr.select(collision.total_reflection, T, 0)
     collision.refracted_weight = dr.select(met & ~refraction.total, T, 0)
     collision.refracted = dr.normalize(refraction.direction)
     collision.refracted_sides = ray.sides.flipped(dr.select(met, collision.hit.index, 0))

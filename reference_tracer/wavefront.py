@@ -65,10 +65,12 @@ class Film:
 
 
 def trace(world: World, wave: Wave, slots: int,
-          observe: Callable[[Wave, Collision], None] | None = None) -> tuple[Film, Primary]:
+          observe: Callable[[Wave, Collision], None] | None = None,
+          disturb: Callable[[Wave], Ray] | None = None) -> tuple[Film, Primary]:
     """Traces `wave` and all its descendants. The first wave must not exceed MOST_RAYS and yields the primary hits.
 
-    `observe` is called with every wave and what became of it, before its secondary rays are traced.
+    `observe` is called with every wave and what became of it, before its secondary rays are traced; `disturb` may
+    replace the rays of every wave before they are traced.
     """
     arrays = world.arrays
     film = Film(dr.zeros(arrays.Vector, slots), dr.zeros(arrays.UInt, slots), dr.zeros(arrays.UInt, slots))
@@ -77,6 +79,8 @@ def trace(world: World, wave: Wave, slots: int,
     while waves:
         wave = waves.pop()
         film.rays += len(wave)
+        if disturb:
+            wave.ray = disturb(wave)
         collision = collide(world, wave.ray, active=wave.weight > 0)
         film.add(wave, collision.color)
         film.note(wave, collision.undecided, world.generation(wave.generation))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from comparisons import results as documents
@@ -15,6 +16,7 @@ from .pages import all_pages
 from .report import arrange
 
 OUTPUT = Path("reports/html")
+MOST_THREADS = 4  # each holds the planes of one scene, about 200 MB; packing and unpacking run in parallel
 MARK = ".raytruth-report"  # a file in every report: a folder without it is not ours to replace
 
 
@@ -57,9 +59,11 @@ def _require_ours(output: Path, results: Path) -> None:
 def _write(report, results_folder: Path, folder: Path, progress: Callable[[float], None]) -> None:
     pictures.write_scale(folder)
     scenes = report.results.scenes
-    for done, scene in enumerate(scenes, 1):
-        report.pictures[scene.name] = pictures.write_scene(report.of_scene(scene), results_folder, folder)
-        progress(done / (len(scenes) + 1))
+    with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
+        written = pool.map(lambda scene: pictures.write_scene(report.of_scene(scene), results_folder, folder), scenes)
+        for done, (scene, files) in enumerate(zip(scenes, written), 1):
+            report.pictures[scene.name] = files
+            progress(done / (len(scenes) + 1))
     templates = templating.environment()
     files = {page.path: templating.rendered(templates, page, report) for page in all_pages(report)}
     for path, text in {**files, **templating.static(templates), MARK: ""}.items():

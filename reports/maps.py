@@ -28,7 +28,8 @@ def depth_picture(planes: Planes, span: tuple[float, float]) -> np.ndarray:
     near, far = np.log(span)
     valid = planes.hit & np.isfinite(planes.t) & (planes.t > 0)
     position = (np.log(np.where(valid, planes.t, span[0])) - near) / max(far - near, 1e-12)
-    pixels = from_oklch(NEAR + (FAR - NEAR) * np.clip(position, 0, 1), 0.0, 0.0)
+    greys = from_oklch(np.linspace(NEAR, FAR, 256), 0.0, 0.0)
+    pixels = greys[np.round(255 * np.clip(position, 0, 1)).astype(np.intp)]
     pixels[~planes.hit] = NOTHING
     pixels[planes.hit & ~valid] = scale.NON_FINITE
     return pixels

@@ -44,24 +44,28 @@ def is_plain(value: float) -> bool:
 
 def power(value: float) -> Number:
     """A number other than 0 with its power of ten."""
-    mantissa, exponent = f"{value:.1e}".split("e")
-    mantissa = mantissa.removesuffix(".0")
+    mantissa, exponent = f"{value:.2e}".split("e")
+    mantissa = _without_idle_zeros(mantissa, f"{mantissa}e{exponent}", value)
     return Number("" if mantissa == "1" else _signed(mantissa), _signed(str(int(exponent))))
 
 
 def _near_one(value: float) -> Number:
     """A score that is almost perfect must not be rounded to a perfect one."""
     distance = power(abs(1 - value))
-    decimals = 1 - int(distance.exponent.replace(MINUS, "-")) if distance.exponent else 3
+    decimals = 1 - int(distance.exponent.replace(MINUS, "-"))
     if decimals <= MOST_DECIMALS:
         return Number(f"{value:.{decimals}f}".rstrip("0"))
     return Number(f"1 {MINUS if value < 1 else '+'} {distance.text or 1}", distance.exponent)
 
 
 def _three_digits(value: float) -> str:
-    decimals = max(0, 2 - math.floor(math.log10(abs(value))))
-    text = f"{value:,.{decimals}f}".replace(",", THIN)
-    return text.rstrip("0").rstrip(".") if "." in text else text
+    decimals = max(0, 2 - int(f"{value:.2e}".split("e")[1]))
+    return _without_idle_zeros(f"{value:,.{decimals}f}".replace(",", THIN), f"{value:.{decimals}f}", value)
+
+
+def _without_idle_zeros(text: str, rounded: str, value: float) -> str:
+    """Zeros at the end stand for measured digits; a number that needed no rounding, a limit say, goes without."""
+    return text.rstrip("0").rstrip(".") if "." in text and float(rounded) == value else text
 
 
 def _signed(text: str) -> str:

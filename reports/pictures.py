@@ -11,6 +11,7 @@ from . import maps, scale
 from .cases import Case
 from .names import slug
 from .planes import NoPlanes, Planes, read
+from .rings import Ring, around_marks, around_worst
 from .spread import Spread, spread
 
 RUNS, ERRORS = "images/runs", "images/errors"
@@ -32,6 +33,7 @@ class RunPictures:
 class Map:
     file: str
     spread: Spread
+    rings: tuple[Ring, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -93,9 +95,10 @@ def _write_case(case: Case, planes: dict[str, Planes], missing: dict[str, str], 
         (h, w), (test_h, test_w) = reference.shape, test.shape
         return Maps({}, f"The pictures differ in size: the reference is {w} × {h}, the test {test_w} × {test_h} pixels.")
     errors = maps.errors(reference, test)
+    rings = {"color": around_worst(case.comparison.worst, test.shape), "objects": around_marks(errors)}
     written = {}
     for kind, error in errors.named().items():
         file = f"{ERRORS}/{case.anchor}-{kind}.png"
         write_8_bit(scale.paint(error, errors.mismatch, errors.undecided), report / file)
-        written[kind] = Map(file, spread(error, errors))
+        written[kind] = Map(file, spread(error, errors), rings.get(kind, ()))
     return Maps(written)

@@ -49,15 +49,19 @@ def plane_grid(patch: Patch) -> tuple[np.ndarray, np.ndarray]:
 def paraboloid_grid(paraboloid: Paraboloid, box: np.ndarray, rings: int) -> tuple[np.ndarray, np.ndarray, float] | None:
     """Vertices, faces and height of the part of `paraboloid` up to the top of its part inside `box` (2, 3).
 
-    x = a rho cos(phi), y = b rho sin(phi), z = rho^2, with `rings` steps of rho and twice as many of phi. None where
-    the box lies below the apex or the surface beside it.
+    x = a rho cos(phi), y = b rho sin(phi), z = rho^2, with `rings` steps of rho and three times as many of phi. None
+    where the box lies below the apex.
     """
     far = np.abs(box).max(axis=0)
     height = min(box[1, 2], (far[0] / paraboloid.a) ** 2 + (far[1] / paraboloid.b) ** 2)
     if height <= 0:
         return None
-    sectors = 2 * rings
-    rho = np.sqrt(height) * np.arange(1, rings + 1) / rings
+    sectors = 3 * rings
+    # a step d of rho lies d^2 / 4 off in z and, where the slope is s, d^2 / 4 / sqrt(1 + s^2) off the surface: steps
+    # that grow with (1 + s^2)^(1/4) spread the error evenly
+    fine = np.linspace(0, np.sqrt(height), 8192)
+    steps = np.cumsum((1 + (2 * fine / max(paraboloid.a, paraboloid.b)) ** 2) ** -0.25)
+    rho = np.interp(np.linspace(steps[0], steps[-1], rings + 1)[1:], steps, fine)
     phi = 2 * np.pi * np.arange(sectors) / sectors
     x = paraboloid.a * np.outer(rho, np.cos(phi))
     y = paraboloid.b * np.outer(rho, np.sin(phi))

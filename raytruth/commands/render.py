@@ -26,7 +26,7 @@ def add_arguments(parser):
                         help="another renderer: mitsuba-native or mitsuba-mesh")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="KEY=VALUE",
                         help="a setting of that renderer, e.g. resolution=128")
-    parser.add_argument("--size", metavar="WxH", type=_size, help="picture size instead of the scene's")
+    parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
     parser.add_argument("--samples", type=int, metavar="N", help="N x N samples a pixel instead of the scene's")
     parser.add_argument("--step-size", type=float, metavar="H", help="step size instead of the scene's")
     parser.add_argument("--precision", type=int, choices=(64, 32), default=64, help="bits of the floats (default 64)")
@@ -35,7 +35,7 @@ def add_arguments(parser):
     parser.add_argument("--json", action="store_true", help="print what was made as JSON")
 
 
-def _size(text: str) -> tuple[int, int]:
+def size(text: str) -> tuple[int, int]:
     width, _, height = text.partition("x")
     if not (width.isascii() and width.isdigit() and height.isascii() and height.isdigit()):
         raise argparse.ArgumentTypeError(f"{text!r} is not WIDTHxHEIGHT, e.g. 640x480")

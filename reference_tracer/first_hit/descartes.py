@@ -66,9 +66,14 @@ class Descartes:
         active = scale > 0
         while active:
             w = dr.minimum(w, 1 - u)
-            variations, certain, end_inside = _sign_variations(a, u, w, side, noise)
+            b, certain = _bernstein(a, u, w, noise)
+            # A ray that leaves a surface starts there, its origin a rounding error on the wrong side: while g moves
+            # back towards the ray's own side, the sign change that brings it there is no crossing.
+            recovers = ((b[0] < 0) != side) & ((b[1] < b[0] * (len(a) - 1)) == side)
+            variations, end_inside = _sign_variations(b, dr.select(recovers, ~side, side))
             narrow = w <= NARROWEST * math.sqrt(rounding)
-            none, one = certain & (variations == 0), certain & (variations == 1)
+            none = certain & ((variations == 0) | (recovers & (variations == 1)))
+            one = certain & (variations == 1) & ~recovers
             passed = none | (narrow & ~one & (end_inside == side))
             hit = one | (narrow & ~none & (end_inside != side))
             undecided |= narrow & ~none & ~one
@@ -84,11 +89,11 @@ class Descartes:
         return _Scan(dr.fma(u, scale, start), dr.fma(dr.minimum(u + w, 1), scale, start), count, undecided, segments)
 
 
-def _sign_variations(a, u, w, side, noise):
-    """Sign changes among the Bernstein coefficients of the polynomial `a` on [u, u + w], the first taken as `side`.
+def _bernstein(a, u, w, noise):
+    """The Bernstein coefficients of the polynomial `a` on [u, u + w], and whether all signs but the first are certain.
 
-    Returns (UInt number, Bool whether every sign is certain, Bool whether the segment's end is inside). Coefficient j
-    is computed times the binomial (n over j), from integer weights: b_j = sum_i C(n-i, j-i) a_i w^i.
+    Coefficient j comes multiplied by the binomial (n over j), so that its weights are whole numbers:
+    sum over i of (n-i over j-i) a_i w^i.
     """
     n = len(a) - 1
     shifted = list(a)  # Taylor shift: the coefficients about u
@@ -99,12 +104,18 @@ def _sign_variations(a, u, w, side, noise):
     for i in range(1, n + 1):
         shifted[i] = shifted[i] * power  # not in place: the last one is a[n] itself
         power = power * w
-    UInt = dr.uint32_array_t(type(w))
-    variations, certain, negative = UInt(0), dr.mask_t(w)(True), side
+    b, certain = [shifted[0]], dr.mask_t(w)(True)
     for j in range(1, n + 1):
-        b = sum((shifted[i] * math.comb(n - i, j - i) for i in range(1, j + 1)), shifted[0] * math.comb(n, j))
-        now_negative = b < 0
-        certain &= dr.abs(b) > noise * math.comb(n, j)
-        variations += dr.select(now_negative != negative, UInt(1), 0)
-        negative = now_negative
-    return variations, certain, negative
+        b.append(sum((shifted[i] * math.comb(n - i, j - i) for i in range(1, j + 1)), shifted[0] * math.comb(n, j)))
+        certain &= dr.abs(b[j]) > noise * math.comb(n, j)
+    return b, certain
+
+
+def _sign_variations(b, side):
+    """Sign changes among `b`, the first sign taken as `side` (Bool, negative), and whether the last one is negative."""
+    UInt = dr.uint32_array_t(type(b[0]))
+    variations, negative = UInt(0), side
+    for coefficient in b[1:]:
+        variations += dr.select((coefficient < 0) != negative, UInt(1), 0)
+        negative = coefficient < 0
+    return variations, negative

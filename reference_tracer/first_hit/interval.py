@@ -28,8 +28,8 @@ class _Scan:
 class IntervalMethod:
     """Looks at segments [t, t + w] front to back, doubling w after a segment without crossing and halving it otherwise.
 
-    A segment holds no crossing if an enclosure of g excludes zero, or if g' does (g is monotone) and both ends are on
-    the same side; it holds exactly one if g is monotone and the ends are on different sides (Moore 1966; Mitchell
+    A segment holds no crossing if an enclosure of g excludes zero, or if g' does (g is monotone) and the end is still
+    on the ray's side; it holds exactly one if g is monotone and the end is on the other side (Moore 1966; Mitchell
     1990, Robust ray intersection with interval arithmetic). Beside the natural enclosure of g the lines of slope
     inf g' and sup g' through both ends bound it, an enclosure whose excess falls with w^2 (linear boundary value form,
     Neumaier 1990).
@@ -66,12 +66,17 @@ class IntervalMethod:
             g_end, end_inside, end_outside = self._end_of_segment(solid, ray, end)
             crossed = dr.select(side, end_outside, end_inside)
             stayed = dr.select(side, end_inside, end_outside)
-            simple = slope.excludes_zero() | g.excludes_zero() | self._bounded_away(g_start, g_end, slope, w, side)
+            rises, falls = slope.low > 0, slope.high < 0
+            simple = rises | falls | g.excludes_zero() | self._bounded_away(g_start, g_end, slope, w, side)
+            # g moves away from zero on the ray's own side: whatever the signs, there is no crossing. A ray that leaves
+            # a surface starts there, its origin a rounding error on the wrong side.
+            recovers = dr.select(side, falls, rises)
             narrow = w <= NARROWEST * dr.epsilon(Float) * dr.maximum(1, dr.abs(t))
-            hit = crossed & (simple | narrow)
-            passed = ~hit & ((stayed & simple) | narrow)
+            clean = recovers | (stayed & simple)
+            hit = ~clean & crossed & (simple | narrow)
+            passed = clean | (narrow & ~hit)
             # narrow, yet neither excluded nor crossed: two crossings closer than NARROWEST may hide here
-            undecided |= passed & ~(stayed & simple)
+            undecided |= passed & ~clean
             count += dr.select(hit, UInt(1), 0)
             segments += 1
             stays = hit & only_first

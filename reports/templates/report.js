@@ -2,18 +2,18 @@
 // click opens the picture itself.
 "use strict";
 
-let open = null;
+let current = null; // the triptych that shows one picture
 
 function show(triptych, index) {
-  if (open && open !== triptych) close();
-  open = triptych;
+  if (current && current !== triptych) close();
+  current = triptych;
   triptych.classList.add("single");
   triptych.querySelectorAll("figure").forEach((figure, i) => figure.classList.toggle("shown", i === index));
 }
 
 function close() {
-  if (open) open.classList.remove("single");
-  open = null;
+  if (current) current.classList.remove("single");
+  current = null;
 }
 
 document.addEventListener("click", (event) => {
@@ -22,12 +22,12 @@ document.addEventListener("click", (event) => {
   event.preventDefault();
   const triptych = link.closest(".triptych");
   const figures = [...triptych.querySelectorAll("figure")];
-  if (open === triptych) close();
+  if (current === triptych) close();
   else show(triptych, figures.indexOf(link.closest("figure")));
 });
 
 document.addEventListener("keydown", (event) => {
-  if (!open || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (!current || event.ctrlKey || event.metaKey || event.altKey) return;
   if (event.key === "Escape") close();
-  else if ("123".includes(event.key)) show(open, Number(event.key) - 1);
+  else if ("123".includes(event.key)) show(current, Number(event.key) - 1);
 });

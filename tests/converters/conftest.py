@@ -1,14 +1,15 @@
 import pytest
 
-from reference_tracer.scene.model import Camera, Object, Scene
+from reference_tracer.scene.model import Camera, Light, Object, Scene
 
 
 @pytest.fixture
 def scene_of():
-    """A scene of the given surfaces or objects, seen by a small camera."""
+    """A scene of the given surfaces or objects, seen by a small camera in the light of one lamp."""
     def build(*things, width=96, height=72, **parts):
         objects = tuple(t if isinstance(t, Object) else Object(surface=t) for t in things)
-        return Scene(objects=objects, **{"camera": Camera(width=width, height=height), **parts})
+        camera, lights = Camera(width=width, height=height), (Light(position=(2.0, 3.0, -1.0)),)
+        return Scene(objects=objects, **{"camera": camera, "lights": lights, **parts})
     return build
 
 

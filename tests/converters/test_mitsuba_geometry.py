@@ -40,7 +40,7 @@ def relative_p99(found, expected, normal, d):
     hit = np.isfinite(expected)
     assert hit.sum() > 300 and (np.isfinite(found) == hit).all()
     facing = hit & (np.abs(np.einsum("...i,...i->...", normal, d)) > 0.2)
-    return np.quantile(np.abs(found - expected)[facing] / expected[facing], 0.99)
+    return np.quantile(np.abs(found[facing] - expected[facing]) / expected[facing], 0.99)
 
 
 @pytest.mark.parametrize("a, b, c, degrees", [(1.0, 1.0, 1.0, 0.0), (0.9, 0.4, 0.6, 35.0)], ids=["sphere", "ellipsoid"])
@@ -59,7 +59,9 @@ def test_native_quadric(scene_of, a, b, c, degrees, within):
     p = o + t[hit, None] * d.reshape(*t.shape, 3)[hit]
     normal = p @ (turn @ np.diag([a**-2, b**-2, c**-2]) @ turn.T)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True) * (-1 if within else 1)  # against the ray (N1)
-    assert np.quantile(np.linalg.norm(picture.normal[hit] - normal, axis=1), 0.99) <= 5e-6
+    facing = np.abs(np.einsum("ij,ij->i", normal, d.reshape(*t.shape, 3)[hit])) > 0.2
+    curvature = max(a, b, c) / min(a, b, c) ** 2  # the largest: what a wrong position does to the normal
+    assert np.quantile(np.linalg.norm(picture.normal[hit] - normal, axis=1)[facing], 0.99) <= 5e-6 * curvature
 
 
 @pytest.mark.parametrize("shapes", ["native", "mesh"])
@@ -75,7 +77,7 @@ def test_plane(scene_of, shapes):
     assert np.isinf(t).any()
     hit = np.isfinite(t)
     assert (np.isfinite(picture.t) == hit).all()
-    assert np.quantile(np.abs(picture.t - t)[hit] / t[hit], 0.99) <= 5e-6
+    assert np.quantile(np.abs(picture.t[hit] - t[hit]) / t[hit], 0.99) <= 5e-6
     assert np.abs(picture.normal[hit] - n / np.linalg.norm(n)).max() < 1e-6
 
 
@@ -97,14 +99,15 @@ def test_meshes_against_the_exact_reference(scene_of, surface):
 
 
 def test_depth_of_meshes_falls_with_the_square_of_the_resolution(scene_of):
-    scene = scene_of(Torus(center=(0.0, 0.0, 3.0), R=0.8, r=0.3))
+    scene = scene_of(Torus(center=(0.0, 0.0, 3.0), R=0.8, r=0.3), width=192, height=144)
     exact = render(scene, "exact")
+    facing = np.abs(np.einsum("...i,...i->...", exact.normal, rays(scene.camera).reshape(*exact.t.shape, 3))) > 0.3
     errors = []
-    for resolution in (32, 64, 128):
+    for resolution in (32, 64, 128, 256):
         picture = render_mitsuba(scene, shapes="mesh", resolution=resolution, repeats=0)
-        both = np.isfinite(exact.t) & np.isfinite(picture.t) & (np.abs(exact.normal[..., 2]) > 0.3)
-        errors.append(np.sqrt(np.mean((picture.t - exact.t)[both] ** 2)))
-    assert 3.4 < errors[0] / errors[1] < 4.6 and 3.4 < errors[1] / errors[2] < 4.6
+        seen = facing & np.isfinite(picture.t)
+        errors.append(np.quantile(np.abs(picture.t[seen] - exact.t[seen]), 0.95))
+    assert all(3.4 < coarse / fine < 4.6 for coarse, fine in zip(errors, errors[1:]))
 
 
 @pytest.mark.parametrize("camera", [ASKEW, Camera(width=50, height=80, fov=90.0)], ids=["askew", "portrait"])
@@ -184,6 +187,6 @@ def test_max_distance_ends_every_ray(scene_of):
     mirror = Object(surface=Plane(a=0.0, b=0.0, c=-1.0, center=(0.0, 0.0, 6.0)), material=Material(reflection=1.0))
     behind = Plane(a=0.0, b=0.0, c=1.0, center=(0.0, 0.0, -5.0))
     for max_distance, expected in ((10.0, 0.5), (12.0, 0.0)):  # the way from the mirror to the wall behind is 11
-        picture = render_mitsuba(scene_of(mirror, behind, background=(0.5, 0.5, 0.5), width=1, height=1,
+        picture = render_mitsuba(scene_of(mirror, behind, background=(0.5, 0.5, 0.5), width=1, height=1, lights=(),
                                           tracing=Tracing(max_distance=max_distance)), shapes="native", repeats=0)
         assert picture.color[0, 0] == pytest.approx([expected] * 3)  # the wall is unlit

@@ -38,6 +38,8 @@ def test_M1_a_ray_that_only_touches_has_not_hit(method):
     wall = thing("plane", (0, 0, 5), a=0, b=0, c=-1)
     for touched in (formula("(z - 2)**2"), thing("sphere", (1, 0, 2), r=1)):
         found = shoot(make_scene(touched, wall, step_size=0.5), (0, 0, 0), FORWARD, method)
+        if method == "descartes" and found.undecided[0]:
+            continue  # a double root is what its rule cannot tell, and it says so
         assert found.index.tolist() == [1] and found.t == pytest.approx(5, rel=1e-15)
         assert shine(make_scene(touched, step_size=0.5), (0, 0, 0), FORWARD, 4.0, method).tolist() == [1]
 
@@ -171,22 +173,27 @@ def test_M6_newton_runs_as_written(tolerance, most):
 
 
 # --- M7 ------------------------------------------------------------------------------------------------------------
-def test_M7_what_is_not_finite_is_outside_for_the_literal_method():
-    """log(z - 2) does not exist up to z = 2, is negative (inside) up to 3. The ray starts outside; the samples 2.25,
-    2.5, ... are inside: a change of sign in the step from 2 to 2.25, whose Newton finds the zero at 3. A square root
-    that is never negative makes no hit out of its NaN."""
-    found = shoot(make_scene(formula("log(z - 2)"), step_size=0.25), (0, 0, 0), FORWARD, "paper", inside=[[False]])
-    assert found.index.tolist() == [0] and found.t == pytest.approx(3, rel=1e-12)
-    root = make_scene(formula("sqrt(4 - z) + 1"), step_size=0.25)
+def test_M7_nan_is_outside_for_the_literal_method():
+    """log(z - 2.1) does not exist up to z = 2.1 and is negative (inside) up to 3.1. The ray starts outside; the sample
+    2.25 is the first inside, and Newton from 2.125 finds the zero at 3.1. 1 + sqrt(4 - z) is never negative: no hit."""
+    found = shoot(make_scene(formula("log(z - 2.1)"), step_size=0.25), (0, 0, 0), FORWARD, "paper")
+    assert found.index.tolist() == [0] and found.t == pytest.approx(3.1, rel=1e-12) and found.order == 2.25
+    root = make_scene(formula("1 + sqrt(4 - z)"), step_size=0.25)
     assert shoot(root, (0, 0, 0), FORWARD, "paper").index.tolist() == [-1]
 
 
-@pytest.mark.parametrize("text", ["log(z - 2)", "sqrt(4 - z) + 1", "1/(z - 3)"])
+def test_M7_minus_infinity_is_not_finite_either():
+    """log(z - 2) is minus infinity at the sample 2 and negative at 2.25: the change of sign is found at 2.25."""
+    found = shoot(make_scene(formula("log(z - 2)"), step_size=0.25), (0, 0, 0), FORWARD, "paper")
+    assert found.order == 2.25 and found.t == pytest.approx(3, rel=1e-12)
+
+
+@pytest.mark.parametrize("text", ["log(z - 2)", "log(z - 2.1)", "1 + sqrt(4 - z)", "1/(z - 3)", "x**0.5 + 1 - z"])
 def test_M7_the_exact_method_says_that_it_cannot_tell(text):
-    """Where f is not finite, or jumps through a pole, on the way, the ray is undecided."""
+    """Where f is not finite on the way, or jumps through a pole, the ray is undecided; x^0.5 = exp(0.5 log x)."""
     scene = make_scene(formula(text))
-    assert shoot(scene, (0, 0, 0), FORWARD, "exact", inside=[[False]]).undecided.tolist() == [True]
-    assert render(scene).status.tolist() == [[UNDECIDED]]
+    assert shoot(scene, (-0.5, 0, 0), FORWARD, "exact").undecided.tolist() == [True]
+    assert render(make_scene(formula(text), camera={"position": [-0.5, 0, 0]})).status.tolist() == [[UNDECIDED]]
 
 
 # --- O3, O4 --------------------------------------------------------------------------------------------------------

@@ -1,0 +1,111 @@
+"""The fast tracer against the recursive oracle: two programs, one picture, to 1e-12.
+
+For `paper` the oracle marches as sections 4.1 and 4.2 say; for `exact` it takes its hits from closed_forms.Exact.
+"""
+
+import numpy as np
+import pytest
+from closed_forms import Exact
+from tracing_support import make_scene, thing
+
+from reference_tracer import recursive
+from reference_tracer.render import render
+from reference_tracer.scene import library
+
+TOLERANCE = 1e-12
+BUDGET = 60e6  # evaluations of f by the oracle, about 2 s
+
+
+def affordable(scene):
+    """The scene at a size and a depth at which the oracle takes a few seconds."""
+    steps = scene.tracing.max_distance / scene.tracing.step_size
+    glass = sum(o.material.transparency > 0 for o in scene.objects)
+    depth = min(scene.tracing.max_depth, 8 if not glass else 5 if glass < 3 else 3)
+    branches = 2 if not glass else depth + 1  # most rays meet one surface that splits them, few meet more
+    for width in (32, 24, 16, 12, 8):
+        height = max(6, round(width * scene.camera.height / scene.camera.width))
+        if width * height * steps * len(scene.objects) * (1 + len(scene.lights) / 2) * branches < BUDGET:
+            break
+    return scene.resized(width, height, samples=1).traced_with(max_depth=depth)
+
+
+@pytest.mark.parametrize("name", library.names())
+def test_paper_on_every_shipped_scene(name):
+    scene = affordable(library.scene(name))
+    expected = recursive.render(scene)
+    assert np.ptp(expected) > 0.05
+    np.testing.assert_allclose(render(scene, "paper").color, expected, rtol=0, atol=TOLERANCE)
+
+
+def _closed_forms_exist(scene) -> bool:
+    """Not for typed formulas, a torus that overlaps itself, or the heart, whose belt is a triple root."""
+    return all(o.surface.type not in ("heart", "expression") and (o.surface.type != "torus" or o.surface.r < o.surface.R)
+               for o in scene.objects)
+
+
+@pytest.mark.parametrize("name", [name for name in library.names() if _closed_forms_exist(library.scene(name))])
+def test_exact_on_every_shipped_scene_with_closed_forms(name):
+    scene = affordable(library.scene(name))
+    tori = sum(o.surface.type == "torus" for o in scene.objects)
+    if tori > 2:  # numpy.roots takes one polynomial at a time
+        scene = scene.resized(12, 9)
+    expected = recursive.render(scene, Exact(scene))
+    np.testing.assert_allclose(render(scene, "exact").color, expected, rtol=0, atol=TOLERANCE)
+
+
+GLASS = {"color": [0.2, 0.3, 0.2], "reflection": 0.2, "transparency": 0.7, "refractive_index": 1.4}
+MIRROR = {"color": [0.9, 0.9, 0.9], "reflection": 0.7}
+MATTE = {"color": [0.9, 0.5, 0.3]}
+FLOOR = thing("plane", (0, -1.2, 0), a=0, b=1, c=0.05, material={"color": [0.6, 0.7, 0.9], "reflection": 0.2})
+LIGHTS = [((3, 4, -1), (0.7, 0.6, 0.5)), ((-3, 2, 3), (0.2, 0.3, 0.4))]
+TURN = {"axis": [1, 2, 0.3], "degrees": 40}
+COMMON = {"lights": LIGHTS, "size": (24, 18), "background": (0.1, 0.2, 0.3), "max_depth": 4, "max_distance": 25}
+
+SCENES = {
+    "balls of glass and of mirror": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS),
+                                      thing("sphere", (1, -0.2, 5), r=1, material=MIRROR), FLOOR], {}),
+    "glass in glass, camera inside": ([thing("sphere", (0, 0, 1), r=3, material=GLASS | {"refractive_index": 1.1}),
+                                       thing("sphere", (0.2, 0, 2), r=0.8, material=GLASS), FLOOR], {}),
+    "turned quadrics": ([thing("ellipsoid", (-0.8, 0, 4), a=0.6, b=1.2, c=0.8, rotation=TURN, material=GLASS),
+                         thing("paraboloid", (1, -0.5, 5), a=0.6, b=0.8, rotation=TURN, material=MIRROR), FLOOR], {}),
+    "torus of glass": ([thing("torus", (0, 0, 4), R=1, r=0.35, rotation=TURN, material=GLASS),
+                        thing("sphere", (0.3, 0.1, 6), r=0.8, material=MATTE), FLOOR], {"size": (16, 12), "max_depth": 3}),
+    "flipped side": ([thing("sphere", (0, 0, 4), r=1, inside="positive", material=GLASS), FLOOR], {}),
+    "samples": ([thing("sphere", (0, 0, 4), r=1, material=MIRROR), FLOOR], {"samples": 2, "size": (16, 12)}),
+}
+MARCHED = {
+    "hearts": ([thing("heart", (-0.4, 0.2, 3), material=MIRROR, rotation=TURN), FLOOR], {}),
+    "formula": ([thing("expression", (0, 0, 4), formula="x**4 + y**4 + z**4 - 1 + 0.2*sin(5*x)", material=GLASS,
+                       bounds={"low": [-1.3, -1.3, -1.3], "high": [1.3, 1.3, 1.3]}), FLOOR], {}),
+    "spindle": ([thing("torus", (0, 0, 4), R=0.4, r=0.8, rotation=TURN, material=MIRROR), FLOOR], {}),
+    "as printed": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS), FLOOR], {"refraction": "as_printed"}),
+    "large steps": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS), thing("sphere", (1, 0, 4), r=0.5), FLOOR],
+                    {"step_size": 0.7}),
+    "few iterations": ([thing("sphere", (-0.6, 0, 4), r=1, material=MIRROR), FLOOR], {"max_iterations": 2, "tolerance": 1e-3}),
+}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_exact_on_small_scenes(name):
+    objects, rest = SCENES[name]
+    scene = make_scene(*objects, **{**COMMON, **rest})
+    expected = recursive.render(scene, Exact(scene))
+    assert np.ptp(expected) > 0.2
+    np.testing.assert_allclose(render(scene, "exact").color, expected, rtol=0, atol=TOLERANCE)
+
+
+@pytest.mark.parametrize("name", {**SCENES, **MARCHED})
+def test_paper_on_small_scenes(name):
+    objects, rest = {**SCENES, **MARCHED}[name]
+    scene = make_scene(*objects, **{**COMMON, **rest})
+    expected = recursive.render(scene)
+    assert np.ptp(expected) > 0.2
+    np.testing.assert_allclose(render(scene, "paper").color, expected, rtol=0, atol=TOLERANCE)
+
+
+def test_the_comparison_can_fail():
+    """One changed number in one of two equal scenes is seen."""
+    objects, rest = SCENES["balls of glass and of mirror"]
+    scene = make_scene(*objects, **{**COMMON, **rest})
+    other = make_scene(*objects, **{**COMMON, **rest, "max_depth": 3})
+    assert np.abs(render(scene, "paper").color - recursive.render(other)).max() > 1e-4
