@@ -98,8 +98,9 @@ class StepLadder:
         return Series(id="step-ladder", title="The literal method converges to the exact one", x_label="step size",
                       y_label=f"pixels that see another object ({NONE:g} stands for none)", lines=lines,
                       expected="A ray that cuts a chord shorter than the step may miss it. Chords shorter than h "
-                               "belong to a rim of width proportional to h squared: slope 2, until none is left; a "
-                               "hundredth of the step must leave at most a hundredth of the wrong pixels.",
+                               "belong to a rim of width proportional to h squared: slope 2 on average over where the "
+                               "samples happen to fall. A hundredth of the document's step must leave at most a "
+                               "hundredth of the wrong pixels.",
                       slope=slopes, holds=holds, command="raytruth compare figure-05-sphere figure-07-torus "
                                                          "figure-09-heart --renderers paper")
 

@@ -72,7 +72,8 @@ def cases(results: Results) -> list[Case]:
                         ("comparison", [c.id for c in results.comparisons]), ("study", [s.id for s in results.series])):
         for name, count in Counter(names).items():
             if count > 1:
-                raise InputError(f"results document: {what} '{name}' is listed {count} times; run 'raytruth compare' again")
+                raise InputError(f"results document: {what} '{name}' is listed {count} times; "
+                                 "run 'raytruth compare' again")
     found = []
     for c in results.comparisons:
         for what, key, known in (("scene", c.scene, scenes), ("run", c.reference, runs), ("run", c.test, runs)):
@@ -86,7 +87,8 @@ def cases(results: Results) -> list[Case]:
 def failed_runs(results: Results) -> list[Run]:
     """Every run without a picture, worst first."""
     order = list(STATES)
-    return sorted((r for r in results.runs if r.state != "ok"), key=lambda r: (order.index(r.state), r.scene, r.renderer))
+    failed = [run for run in results.runs if run.state != "ok"]
+    return sorted(failed, key=lambda run: (order.index(run.state), run.scene, run.renderer, run.key))
 
 
 @dataclass(frozen=True)

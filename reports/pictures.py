@@ -93,7 +93,7 @@ def _write_case(case: Case, planes: dict[str, Planes], missing: dict[str, str], 
     reference, test = planes[case.reference.key], planes[case.test.key]
     if reference.shape != test.shape:
         (h, w), (test_h, test_w) = reference.shape, test.shape
-        return Maps({}, f"The pictures differ in size: the reference is {w} × {h}, the test {test_w} × {test_h} pixels.")
+        return Maps({}, f"The pictures differ in size: {w} × {h} pixels are held against {test_w} × {test_h}.")
     errors = maps.errors(reference, test)
     rings = {"color": around_worst(case.comparison.worst, test.shape), "objects": around_marks(errors)}
     written = {}

@@ -26,7 +26,8 @@ class Ring:
 def around_worst(worst: list[dict[str, float | int]], shape: tuple[int, int]) -> tuple[Ring, ...]:
     """Around the pixels that a comparison lists as its worst, as far as they lie in a picture of `shape`."""
     places = [(pixel.get("row", -1), pixel.get("col", -1)) for pixel in worst]
-    return tuple(Ring(col + 0.5, row + 0.5, WHITE) for row, col in places if 0 <= row < shape[0] and 0 <= col < shape[1])
+    height, width = shape
+    return tuple(Ring(col + 0.5, row + 0.5, WHITE) for row, col in places if 0 <= row < height and 0 <= col < width)
 
 
 def around_marks(errors: Errors) -> tuple[Ring, ...]:

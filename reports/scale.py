@@ -66,7 +66,8 @@ class Swatch:
 
 EQUAL = Swatch("equal", css(EXACT), "both sides have exactly the same number, or neither hits anything")
 MARKS = (
-    Swatch("another object", css(MISMATCH), "the ray through the pixel's centre hits on one side only, or another object"),
+    Swatch("another object", css(MISMATCH),
+           "the ray through the pixel’s centre hits another object, or hits on one side only"),
     Swatch("undecided", css(UNDECIDED), "at least one side reports that it cannot decide a ray of this pixel"),
     Swatch("not finite", css(NON_FINITE), "at least one side is NaN or infinite"),
 )

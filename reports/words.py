@@ -17,9 +17,11 @@ class Verdict:
 
 
 VERDICTS = {  # worst first
-    "differs": Verdict("differs", "Differs", "At least one measured number exceeds its limit, and nothing known explains it."),
+    "differs": Verdict("differs", "Differs",
+                       "At least one measured number exceeds its limit, and nothing known explains it."),
     "not compared": Verdict("absent", "Not compared",
-                            "There is no picture to compare: the renderer failed, is not installed, or cannot express the scene."),
+                            "There is no picture to compare: the renderer failed, is not installed, or cannot express "
+                            "the scene."),
     "expected": Verdict("expected", "Differs as expected",
                         "The pictures differ, for a reason that is known, stated, and no fault of the test side."),
     "agrees": Verdict("agrees", "Agrees", "Every measured number keeps its limit."),
@@ -50,8 +52,8 @@ TRUTHS = {
 }
 
 LITERAL = ("The test side is a truth as well, of another kind: the document’s method to the letter, which walks along "
-           "the ray in fixed steps and starts Newton’s method in the middle of one. What differs here is what those steps "
-           "miss, and is the method’s own, not a defect of the program.")
+           "the ray in fixed steps and starts Newton’s method in the middle of one. What differs here is what those "
+           "steps miss, and is the method’s own, not a defect of the program.")
 
 KEY_METRICS = ("object mismatches", "failing pixels", "color max")  # what to show of a comparison without gates
 

@@ -44,7 +44,7 @@ def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: 
     picture.metadata = {
         "scene": scene.name, "scene_hash": scene.hash, "renderer": "mitsuba", "mitsuba": mi.__version__,
         "precision": 32, "shapes": shapes, "resolution": resolution if error is None else None, "mesh_error": error,
-        "native_shapes": sum(p.kind not in ("mesh", "nothing") for p in converted.parts),
+        "native_shapes": sum(p.kind == "native" for p in converted.parts),
         "triangles": converted.triangles, "measured_mesh_error": max(p.error for p in converted.parts),
         "clipped": "; ".join(f"object {i}: {p.clipped}" for i, p in enumerate(converted.parts) if p.clipped),
         "camera_difference": tracer.camera_difference(), "rays": rays, "build_seconds": converted.seconds,

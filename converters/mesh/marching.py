@@ -20,22 +20,23 @@ from .placed import Placed
 BRICK = 32  # cells along the side of a brick
 MOST_TRIANGLES = 8_000_000  # about 2 GB with derivatives
 MOST_CELLS_ALONG = 4096
+LEAST_CELLS = 16  # along the shortest side of a box: a flat disc must not fall between grid points
 TINY = 1e-30  # fp32 holds it
 NODE, INNER = 3, 4  # beside the axes 0, 1, 2 of the grid edge a vertex lies on
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Cubic cells that cover a box with at least a cell to spare on every side."""
+    """Cells that cover a box with at least one to spare on every side: cubes, unless a side is very short."""
 
     low: np.ndarray  # (3,)
-    cell: float
+    cell: np.ndarray  # (3,) sides of a cell
     counts: tuple[int, int, int]  # cells along x, y, z
 
     @staticmethod
     def over(box: np.ndarray, resolution: int) -> Grid:
         extent = box[1] - box[0]
-        cell = float(extent.max()) / resolution
+        cell = np.minimum(extent.max() / resolution, extent / min(resolution, LEAST_CELLS))
         counts = np.ceil(extent / cell - 1e-9).astype(int) + 2
         # the shift keeps grid points off the symmetry planes, where f is exactly zero and cells degenerate
         low = box[0] - 0.5 * (counts * cell - extent) + np.array([0.1373, 0.1117, 0.1571]) * cell
@@ -45,15 +46,16 @@ class Grid:
         """(b, 3): the first cell of every brick that the surface may pass through."""
         starts = [np.arange(0, n, BRICK) for n in self.counts]
         stops = [np.minimum(s + BRICK, n) for s, n in zip(starts, self.counts)]
-        at = lambda cells: np.ix_(*(self.low[k] + c * self.cell for k, c in enumerate(cells)))
+        at = lambda cells: np.ix_(*(self.low[k] + c * self.cell[k] for k, c in enumerate(cells)))
         held = np.nonzero(may_hold(placed, at(starts), at(stops)))
         return np.stack([starts[k][held[k]] for k in range(3)], axis=1)
 
 
-def march(placed: Placed, box: np.ndarray, resolution: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """Vertices (n, 3) near f = 0 in the surface's own frame, faces (m, 3) with outward winding, and the cell's side.
+def march(placed: Placed, box: np.ndarray, resolution: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices (n, 3) near f = 0 in the surface's own frame, faces (m, 3) with outward winding, and a cell's sides (3,).
 
-    Raises InputError where the mesh would not fit into memory.
+    Raises InputError where the mesh would not fit into memory, or where no grid point lies inside although the surface
+    may be there.
     """
     if resolution > MOST_CELLS_ALONG:
         raise InputError(f"a mesh of {resolution} cells along its longest side is too fine; "
@@ -66,6 +68,9 @@ def march(placed: Placed, box: np.ndarray, resolution: int) -> tuple[np.ndarray,
                          f"triangles, more than {MOST_TRIANGLES:,}; choose a smaller resolution or a larger error")
     pieces = [piece for first in bricks if (piece := _piece(placed, grid, first)) is not None]
     if not pieces:
+        if len(bricks):
+            raise InputError(f"a mesh of {resolution} cells along its longest side finds nothing of a surface that may "
+                             "be there; choose a larger resolution, or give the surface tighter bounds")
         return np.empty((0, 3)), np.empty((0, 3), np.int64), grid.cell
     offsets = np.cumsum([0] + [len(v) for v, _ in pieces[:-1]])
     vertices = np.concatenate([v for v, _ in pieces])
@@ -80,7 +85,7 @@ def march(placed: Placed, box: np.ndarray, resolution: int) -> tuple[np.ndarray,
 def _piece(placed: Placed, grid: Grid, first: np.ndarray):
     """Vertices, in units of cells of the whole grid, and faces of one brick; None where f does not change sign."""
     stop = np.minimum(first + BRICK, grid.counts)
-    axes = [grid.low[k] + np.arange(first[k], stop[k] + 1) * grid.cell for k in range(3)]
+    axes = [grid.low[k] + np.arange(first[k], stop[k] + 1) * grid.cell[k] for k in range(3)]
     values = np.broadcast_to(placed.values(*np.ix_(*axes)), [len(a) for a in axes])
     # skimage works in fp32; a power of two scales without rounding, so that neighbours still agree on every sign
     largest = np.abs(values[np.isfinite(values)]).max(initial=1e-300)

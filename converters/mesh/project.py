@@ -10,11 +10,11 @@ MOST_STEPS = 12
 ROUNDING = 1e-15  # relative: a step shorter than this cannot improve a coordinate any more
 
 
-def project(placed: Placed, points: np.ndarray, cell: float) -> np.ndarray:
+def project(placed: Placed, points: np.ndarray, cell: np.ndarray) -> np.ndarray:
     """`points` (n, 3) carried along the gradient onto f = 0: x <- x - f grad f / |grad f|^2.
 
-    A step is at most one cell long. A point whose residual did not fall, or that moved by more than two cells, stays
-    where it was: Newton may wander near points without a gradient.
+    A step is at most one `cell` (3,) long along each axis. A point whose residual did not fall, or that moved by more
+    than two cells, stays where it was: Newton may wander near points without a gradient.
     """
     moved = points.copy()
     start = None
@@ -26,14 +26,14 @@ def project(placed: Placed, points: np.ndarray, cell: float) -> np.ndarray:
         with np.errstate(all="ignore"):
             step = gradients * (-values / np.einsum("ij,ij->i", gradients, gradients))[:, None]
             length = np.linalg.norm(step, axis=1)
-            step *= np.minimum(1, cell / length)[:, None]
+            step *= np.minimum(1, (cell / np.abs(step)).min(axis=1))[:, None]
         step[~np.isfinite(step).all(axis=1)] = 0
         moved[moving] += step
         moving = moving[length > ROUNDING * (1 + np.abs(moved[moving]).max(axis=1, initial=0))]
         if not len(moving):
             break
     with np.errstate(all="ignore"):
-        improved = ~(np.abs(placed.values(*moved.T)) > start) & (np.linalg.norm(moved - points, axis=1) <= 2 * cell)
+        improved = ~(np.abs(placed.values(*moved.T)) > start) & (np.abs(moved - points) <= 2 * cell).all(axis=1)
     return np.where(improved[:, None], moved, points)
 
 

@@ -23,7 +23,7 @@ SHAPES = ("native", "mesh")
 class Part:
     """How one object was converted."""
 
-    kind: str  # "sphere", "stretched sphere", "rectangle", "mesh", or "nothing" where no ray can meet it
+    kind: str  # "native", "mesh", or "nothing" where no ray can meet it
     triangles: int
     error: float  # largest distance between shape and surface, before Mitsuba rounds it to fp32
     clipped: str  # what was cut off, see Mesh
@@ -48,36 +48,34 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
             share: float = 1.0) -> MitsubaScene:
     """`scene` for Mitsuba, no files in between.
 
-    `shapes` "native" takes Mitsuba's own sphere, stretched sphere and rectangle where they are exact and meshes for
-    the rest, "mesh" takes meshes only. Meshes have `resolution` cells along their longest side; or, if `error` is
-    given in units of the scene, they keep it on that `share` of the surface (see `mesh_to_error`). Raises InputError
-    for impossible meshes.
+    `shapes` "native" takes Mitsuba's own sphere and rectangle and meshes for the rest, "mesh" takes meshes only.
+    Meshes have `resolution` cells along their longest side; or, if `error` is given in units of the scene, they keep
+    it on that `share` of the surface (see `mesh_to_error`). Raises InputError for impossible meshes.
     """
     if shapes not in SHAPES:
         raise InputError(f"shapes must be one of {', '.join(SHAPES)}; found {shapes!r}")
     backend()  # a machine without LLVM is told so in one line
     start = time.perf_counter()
-    entries, reported, parts = {"type": "scene", "embree_use_robust_intersections": True}, {}, []
+    made, parts = {}, []
     for index, obj in enumerate(scene.objects):
-        name = f"object-{index}"
-        shape = native(obj, scene, name) if shapes == "native" else None
-        part = Part(shape.kind, 0, 0.0, "") if shape else None
+        shape = native(obj, scene) if shapes == "native" else None
+        part = Part("native", 0, 0.0, "")
         if shape is None:
             mesh = (mesh_object(obj, scene, resolution) if error is None
                     else mesh_to_error(obj, scene, error, share))
-            shape = meshed(mesh, name) if mesh.triangles else None
-            part = Part(shape.kind if shape else "nothing", mesh.triangles, mesh.error, mesh.clipped)
+            shape = meshed(mesh, f"object-{index}") if mesh.triangles else None
+            part = Part("mesh" if shape else "nothing", mesh.triangles, mesh.error, mesh.clipped)
         if shape:
-            entries |= shape.entries
-            reported[index] = shape.reported
+            made[index] = shape
         parts.append(part)
-    converted = mi.load_dict(entries)
+    converted = mi.load_dict({"type": "scene", "embree_use_robust_intersections": True,
+                              **{f"object-{index}": shape for index, shape in made.items()}})
     dr.sync_thread()
-    return MitsubaScene(converted, sensor(scene.camera), _table(reported), tuple(parts), time.perf_counter() - start)
+    return MitsubaScene(converted, sensor(scene.camera), _table(made), tuple(parts), time.perf_counter() - start)
 
 
-def _table(reported: dict[int, mi.Shape]) -> np.ndarray:
-    ids = {index: int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for index, shape in reported.items()}
+def _table(shapes: dict[int, mi.Shape]) -> np.ndarray:
+    ids = {index: int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for index, shape in shapes.items()}
     table = np.zeros(max(ids.values(), default=0) + 1, np.uint32)
     for index, place in ids.items():
         table[place] = index

@@ -5,14 +5,17 @@ from __future__ import annotations
 import drjit as dr
 
 from .interface import Crossing, LocalRay, Solid
+from .quadratic import Parabola
+
+UNREACHABLE = 1e30  # stands for infinity where steps are counted
 
 
 class Paper:
     """Steps of `step_size`, then free Newton from the middle of the step in which the sign changed.
 
     It includes the method's own failures: two crossings within one step are missed, and Newton may leave the step
-    (decision M6). Samples that lie outside of a solid's box are not evaluated, because their sign is known there: the
-    result is the same as if they were.
+    (decision M6). Samples whose sign is known are not evaluated, outside of a solid's box or before the root of a plane:
+    the result is the same as if they were.
     """
 
     name = "paper"
@@ -26,7 +29,7 @@ class Paper:
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         h = self.step_size
         entry, leave = solid.span(ray, limit)
-        step = self._steps_skipped(solid, inside, entry)
+        step = self._steps_skipped(solid, ray, inside, entry)
         t_end = self._end(solid, inside, entry, leave, limit)
         t = dr.minimum(step * h, limit)
         now_inside = type(inside)(inside)
@@ -55,7 +58,7 @@ class Paper:
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
         h = self.step_size
         entry, leave = solid.span(ray, limit)
-        step = self._steps_skipped(solid, inside, entry)
+        step = self._steps_skipped(solid, ray, inside, entry)
         t = dr.minimum(step * h, limit)
         side = type(inside)(inside)
         count = dr.zeros(type(self.max_iterations))
@@ -69,10 +72,18 @@ class Paper:
             counting = ~(only_first & (count > 0))
         return count, dr.zeros(type(inside))
 
-    def _steps_skipped(self, solid, inside, entry):
-        """The number of steps before the box, whose sign is known without looking."""
-        before_box = dr.maximum(dr.floor(entry / self.step_size) - 1, 0)
-        return before_box if solid.box is None else dr.select(inside == solid.far_inside, before_box, 0)
+    def _steps_skipped(self, solid, ray, inside, entry):
+        """The number of steps whose signs are known without looking: before the box, or before the root of a parabola.
+
+        One step too few is skipped, so that rounding of entry or root does not matter.
+        """
+        if solid.box is not None:
+            known = dr.select(inside == solid.far_inside, entry, 0)
+        elif parabola := Parabola.along(solid, ray):
+            known = dr.minimum(parabola.next_crossing(inside), UNREACHABLE)
+        else:
+            known = dr.zeros(type(entry))
+        return dr.maximum(dr.floor(known / self.step_size) - 1, 0)
 
     @staticmethod
     def _end(solid, inside, entry, leave, limit):

@@ -16,12 +16,13 @@ CUBE = Bounds(low=(-1.0, -1.0, -1.0), high=(1.0, 1.0, 1.0))
 SPHERE = Sphere(center=(0.4, -0.2, 3.0), r=1.25)
 TORUS = Torus(center=(1.0, 2.0, 3.0), R=0.8, r=0.3)
 ELLIPSOID = Ellipsoid(a=1.0, b=0.5, c=0.7)
+DISC = Ellipsoid(a=10.0, b=10.0, c=0.01)  # thinner than a cubic cell
 SUPERQUADRIC = Expression(formula="x**4 + y**4 + z**4 - 1", bounds=CUBE)
 OCTAHEDRON = Expression(formula="abs(x) + abs(y) + abs(z) - 1", bounds=CUBE)
 
 # Volumes: ball, torus by Pappus, ellipsoid; x^4 + y^4 + z^4 <= 1 by Dirichlet's integral; an octahedron of edge sqrt 2.
 VOLUMES = [(SPHERE, 4 / 3 * math.pi * 1.25**3, 2), (TORUS, 2 * math.pi**2 * 0.8 * 0.3**2, 0),
-           (ELLIPSOID, 4 / 3 * math.pi * 1.0 * 0.5 * 0.7, 2),
+           (ELLIPSOID, 4 / 3 * math.pi * 1.0 * 0.5 * 0.7, 2), (DISC, 4 / 3 * math.pi * 100.0 * 0.01, 2),
            (SUPERQUADRIC, 8 * math.gamma(1.25) ** 3 / math.gamma(1.75), 2), (OCTAHEDRON, 4 / 3, 2)]
 
 

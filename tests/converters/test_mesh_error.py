@@ -9,6 +9,7 @@ from converters.mesh.placed import Placed
 from reference_tracer.errors import InputError
 from reference_tracer.scene.model import Object
 from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from reference_tracer.surfaces.expression import Bounds
 
 TORUS = Torus(R=0.8, r=0.3)
 
@@ -77,6 +78,15 @@ def test_impossible_resolutions(scene_of, resolution):
     scene = scene_of(TORUS)
     with pytest.raises(InputError, match="at least 4|at most 4096"):
         mesh_object(scene.objects[0], scene, resolution)
+
+
+def test_a_surface_that_falls_between_grid_points_is_not_lost_silently(scene_of):
+    """A ball of radius 1/100 in bounds of side 2: no point of a grid of 16 cells lies inside."""
+    bounds = Bounds(low=(-1.0, -1.0, -1.0), high=(1.0, 1.0, 1.0))
+    scene = scene_of(Expression(formula="x**2 + y**2 + z**2 - 0.0001", bounds=bounds))
+    with pytest.raises(InputError, match="larger resolution"):
+        mesh_object(scene.objects[0], scene, 16)
+    assert check(mesh_object(scene.objects[0], scene, 512)).euler_number == 2
 
 
 def test_refuses_more_triangles_than_fit(scene_of):

@@ -90,12 +90,13 @@ class Exact:
     def _far(obj, d):
         """Whether a line comes from inside: it does where it leaves a half-space or falls out of a paraboloid."""
         s = obj.surface
+        local = into_frame(obj, np.zeros_like(d), d)[1]
+        far = np.zeros(len(d), bool)
         if s.type == "plane":
-            return into_frame(obj, np.zeros_like(d), d)[1] @ np.array([s.a, s.b, s.c]) > 0
+            far = local @ np.array([s.a, s.b, s.c]) > 0
         if s.type == "paraboloid":  # along its axis it has one crossing, else both ends of the line are outside
-            local = into_frame(obj, np.zeros_like(d), d)[1]
-            return (local[:, 0] == 0) & (local[:, 1] == 0) & (local[:, 2] < 0)
-        return np.zeros(len(d), bool)
+            far = (local[:, 0] == 0) & (local[:, 1] == 0) & (local[:, 2] < 0)
+        return far ^ (s.inside == "positive")
 
 
 def _dot(a, b):

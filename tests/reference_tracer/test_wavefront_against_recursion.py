@@ -65,7 +65,7 @@ SCENES = {
     "balls of glass and of mirror": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS),
                                       thing("sphere", (1, -0.2, 5), r=1, material=MIRROR), FLOOR], {}),
     "glass in glass, camera inside": ([thing("sphere", (0, 0, 1), r=3, material=GLASS | {"refractive_index": 1.1}),
-                                       thing("sphere", (0.2, 0, 2), r=0.8, material=GLASS), FLOOR], {}),
+                                       thing("sphere", (0.2, 0, 2), r=0.8, material=GLASS), FLOOR], {"size": (12, 9)}),
     "turned quadrics": ([thing("ellipsoid", (-0.8, 0, 4), a=0.6, b=1.2, c=0.8, rotation=TURN, material=GLASS),
                          thing("paraboloid", (1, -0.5, 5), a=0.6, b=0.8, rotation=TURN, material=MIRROR), FLOOR], {}),
     "torus of glass": ([thing("torus", (0, 0, 4), R=1, r=0.35, rotation=TURN, material=GLASS),

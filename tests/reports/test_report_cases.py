@@ -1,0 +1,59 @@
+"""Order and count of cases."""
+
+import math
+
+import pytest
+from report_support import make_comparison, make_results, make_run
+
+from comparisons.results import Gate
+from reference_tracer.errors import InputError
+from reference_tracer.scene import library
+from reports.cases import cases, failed_runs, is_lower_bound, tally
+
+
+@pytest.fixture
+def results():
+    return make_results(library.scene("figure-05-sphere"))
+
+
+def gate(value, limit, holds) -> Gate:
+    return Gate(name="g", value=value, limit=limit, holds=holds, means="")
+
+
+def test_worst_comes_first(results):
+    verdicts = [case.comparison.verdict for case in cases(results)]
+    assert verdicts == ["differs", "not compared", "expected", "agrees", "agrees"]
+
+
+def test_among_differing_ones_the_farthest_beyond_its_limit_comes_first(results):
+    gates = {"twice": [gate(2e-3, 1e-3, False)], "nan": [gate(math.nan, 1e-3, False)],
+             "hundredfold": [gate(0.1, 1e-3, False), gate(0.0, 1e-3, True)], "from nothing": [gate(3, 0, False)]}
+    comparisons = [make_comparison(id, "bad", "differs").model_copy(update={"gates": g}) for id, g in gates.items()]
+    order = [c.comparison.id for c in cases(results.model_copy(update={"comparisons": comparisons}))]
+    assert order == ["from nothing", "nan", "hundredfold", "twice"]
+
+
+def test_the_direction_of_a_limit_follows_from_value_and_verdict():
+    assert not is_lower_bound(gate(1e-4, 1e-3, True)) and not is_lower_bound(gate(1e-2, 1e-3, False))
+    assert is_lower_bound(gate(40, 30, True)) and is_lower_bound(gate(20, 30, False))
+    assert not any(is_lower_bound(gate(value, 1.0, False)) for value in (None, math.nan, math.inf, 1.0))
+
+
+def test_failures_stay_in_the_denominator(results):
+    counted = tally(cases(results), failed_runs(results))
+    # five comparisons, the crashed run among them, and the refused run that no comparison speaks of
+    assert counted.total == 6
+    assert counted.counts == {"differs": 1, "not compared": 2, "expected": 1, "agrees": 2}
+    assert [run.key for run in counted.silent] == ["refused"]
+
+
+@pytest.mark.parametrize("change, told", [
+    ({"comparisons": [make_comparison("x", "nobody", "agrees")]}, "'x' names run 'nobody'"),
+    ({"comparisons": [make_comparison("x", "good", "agrees").model_copy(update={"scene": "s"})]},
+     "'x' names scene 's'"),
+    ({"runs": [make_run("good"), make_run("good")]}, "run 'good' is listed 2 times"),
+])
+def test_a_document_that_contradicts_itself_is_refused_in_one_line(results, change, told):
+    with pytest.raises(InputError) as caught:
+        cases(results.model_copy(update=change))
+    assert told in str(caught.value) and "\n" not in str(caught.value)

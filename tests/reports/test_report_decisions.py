@@ -1,0 +1,27 @@
+"""The table of decisions."""
+
+import pytest
+
+from reports.decisions import Decision, parse, pieces, read
+
+TABLE = "text\n\n| id | section | question | decision |\n|---|---|---|---|\n| A1 | 4.1 | why | do `x` then y |\n\nend\n"
+
+
+def test_rows_are_read():
+    assert parse(TABLE) == [Decision("A1", "4.1", "why", "do `x` then y")]
+
+
+def test_the_shipped_decisions_have_unique_ids_and_no_empty_cell():
+    decisions = read()
+    assert {"E1", "C1", "M3", "L3", "S1"} <= {d.id for d in decisions}
+    assert len({d.id for d in decisions}) == len(decisions)
+    assert all(d.section and d.question and d.decision for d in decisions)
+
+
+def test_a_file_without_the_table_is_an_error():
+    with pytest.raises(ValueError, match="table"):
+        parse(TABLE.replace("section", "chapter"))
+
+
+def test_code_is_told_from_prose():
+    assert pieces("do `x` then `y`") == [(False, "do "), (True, "x"), (False, " then "), (True, "y")]
