@@ -20,7 +20,7 @@ from .placed import Placed
 BRICK = 32  # cells along the side of a brick
 MOST_TRIANGLES = 8_000_000  # about 2 GB with derivatives
 MOST_CELLS_ALONG = 4096
-LEAST_CELLS = 16  # along the shortest side of a box: a flat disc must not fall between grid points
+FLATTEST = 8  # a side shorter than the longest by more than this gets flat cells, so that a thin disc is not lost
 TINY = 1e-30  # fp32 holds it
 NODE, INNER = 3, 4  # beside the axes 0, 1, 2 of the grid edge a vertex lies on
 
@@ -36,7 +36,7 @@ class Grid:
     @staticmethod
     def over(box: np.ndarray, resolution: int) -> Grid:
         extent = box[1] - box[0]
-        cell = np.minimum(extent.max() / resolution, extent / min(resolution, LEAST_CELLS))
+        cell = np.minimum(extent.max(), FLATTEST * extent) / resolution
         counts = np.ceil(extent / cell - 1e-9).astype(int) + 2
         # the shift keeps grid points off the symmetry planes, where f is exactly zero and cells degenerate
         low = box[0] - 0.5 * (counts * cell - extent) + np.array([0.1373, 0.1117, 0.1571]) * cell
@@ -52,7 +52,7 @@ class Grid:
 
 
 def march(placed: Placed, box: np.ndarray, resolution: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices (n, 3) near f = 0 in the surface's own frame, faces (m, 3) with outward winding, and a cell's sides (3,).
+    """Vertices (n, 3) near f = 0 in the surface's own frame, faces (m, 3) wound outward, and the sides (3,) of a cell.
 
     Raises InputError where the mesh would not fit into memory, or where no grid point lies inside although the surface
     may be there.

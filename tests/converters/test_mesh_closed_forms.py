@@ -116,7 +116,7 @@ def test_bricks_give_what_one_volume_gives():
     vertices, faces, cell = march(placed, placed.box, 3 * BRICK)
     grid = Grid.over(placed.box, 3 * BRICK)
     assert len(grid.bricks(placed)) < 4**3  # corners and middle hold no surface
-    axes = [grid.low[k] + np.arange(n + 1) * cell for k, n in enumerate(grid.counts)]
+    axes = [grid.low[k] + np.arange(n + 1) * cell[k] for k, n in enumerate(grid.counts)]
     x, y, z = np.ix_(*axes)
     whole, triangles, _, _ = marching_cubes(x**2 + y**2 + z**2 - 1.25**2, 0.0, gradient_direction="descent")
     assert (len(vertices), len(faces)) == (len(whole), len(triangles))
@@ -130,7 +130,8 @@ def test_wrong_meshes_are_found(mesh_of):
 
     mesh = mesh_of(SPHERE)
     assert check(replace(mesh, faces=mesh.faces[:, ::-1])).volume < 0
-    assert check(replace(mesh, faces=mesh.faces[1:])).faults(mesh) == ["is not watertight, though its surface is bounded"]
+    torn = check(replace(mesh, faces=mesh.faces[1:]))
+    assert torn.faults(mesh) == ["is not watertight, though its surface is bounded"]
     turned = mesh.faces.copy()
     turned[0] = turned[0, ::-1]
     assert "has neighbouring triangles that run opposite ways" in check(replace(mesh, faces=turned)).faults(mesh)

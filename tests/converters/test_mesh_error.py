@@ -29,7 +29,7 @@ def test_first_order_distance_of_a_flat_triangle():
     angle = np.radians([0, 120, 240])
     corners = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     *sides, centre = sorted(interior_errors(Placed(Object(surface=Sphere(r=1.0))), corners, np.array([[0, 1, 2]])))
-    # |f| / |grad f| of f = |p|^2 - 1 is (1 - 1/4) / (2 * 1/2) there, and huge in the centre, where the gradient vanishes
+    # |f| / |grad f| of f = |p|^2 - 1 is (1 - 1/4) / (2 * 1/2) there; in the centre the gradient vanishes
     assert sides == pytest.approx([0.75, 0.75, 0.75]) and centre > 1e6
 
 

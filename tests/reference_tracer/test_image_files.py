@@ -17,7 +17,7 @@ def picture():
     """A ball lit so brightly that colours exceed 1, on a floor, under a sky: hits, misses, values beyond 8 bits."""
     scene = make_scene(thing("sphere", (0, 0, 4), r=1, material={"color": [1, 0.5, 0.25], "reflection": 0.3}),
                        thing("plane", (0, -1, 0), a=0, b=1, c=0), lights=[((2, 3, 0), (3, 2, 1))], size=(20, 15),
-                       background=(0.1, 0.2, 0.3))
+                       background=(0.11, 0.22, 0.33))
     found = render(scene, "exact", threads=2)
     assert found.color.max() > 1.5 and {HIT, MISS} == set(np.unique(found.status)) and found.depth.max() == 1
     return found

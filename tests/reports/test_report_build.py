@@ -189,10 +189,12 @@ def interrupt():
     raise KeyboardInterrupt
 
 
-def test_a_build_interrupted_between_its_two_renames_is_mended(folder, html):
+def test_a_build_interrupted_between_its_two_renames_is_mended(folder, html, monkeypatch):
     before = contents(html)
     html.rename(html.with_name(f".{html.name}.old"))
-    reports.build(folder, html)
+    monkeypatch.setattr(assemble, "all_pages", lambda report: interrupt())
+    with pytest.raises(KeyboardInterrupt):  # not even a second failure loses the earlier report
+        reports.build(folder, html)
     assert contents(html) == before
 
 
