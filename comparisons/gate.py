@@ -47,8 +47,9 @@ def judge(metrics: dict[str, float | int | None], tolerance: Tolerance) -> tuple
     broken = [gate for gate in gates if not gate.holds]
     if broken:
         worst = broken[0]
-        return "differs", (f"{worst.name} is {_shown(worst.value)}, {_shown(worst.limit)} is allowed"
-                           + (f"; {len(broken) - 1} more limits are exceeded" if len(broken) > 1 else "")), gates
+        others = {0: "", 1: "; one more limit is exceeded"}.get(
+            len(broken) - 1, f"; {len(broken) - 1} more limits are exceeded")
+        return "differs", f"{worst.name} is {_shown(worst.value)}, {_shown(worst.limit)} is allowed{others}", gates
     return "agrees", f"every limit for {tolerance.name} holds ({tolerance.because})", gates
 
 

@@ -120,6 +120,19 @@ class Series(Record):
     command: str
 
 
+class Effect(Record):
+    """What one decision changes in a picture: the same scene with it, and with what it rules out or limits."""
+
+    id: str
+    decision: str = Field(description="id of a row of DECISIONS.md")
+    scene: str
+    change: str = Field(description="what the variant does instead, in a few words")
+    finding: str = Field(description="one sentence: what happens, with its numbers")
+    baseline: str = Field(description="key of the run with the decision")
+    variant: str = Field(description="key of the run without it")
+    metrics: dict[str, float | int | None] = {}
+
+
 class Results(Record):
     """Everything a report is made of."""
 
@@ -131,6 +144,7 @@ class Results(Record):
     runs: list[Run]
     comparisons: list[Comparison]
     series: list[Series] = []
+    effects: list[Effect] = []
 
     def run(self, key: str) -> Run:
         return next(r for r in self.runs if r.key == key)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from reference_tracer.scene.model import Scene
 
-from . import metrics, studies
+from . import effects, metrics, studies
 from .gate import MESH, NATIVE, judge
 from .machine import machine
 from .process import Worker
@@ -52,6 +52,7 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
     planned = studies.planned(scenes) if options.with_studies else []
     requests = [Request(scene, name) for name in (TRUTH, *options.renderers) for scene in scenes]
     requests += [request for study in planned for request in study.requests()]
+    requests += effects.requests(scenes) if options.with_studies else []
     runs = _make_all(list({r.key: r for r in requests}.values()), store, options)
 
     progress = Progress(len(scenes) * len(options.renderers), options.quiet)
@@ -63,10 +64,11 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
             progress.step()
     progress.close()
     series = [study.series(runs, store) for study in planned]
+    shown = effects.effects(scenes, runs, store) if options.with_studies else []
     results = Results(created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
                       seconds=round(time.monotonic() - start, 1), machine=machine(),
                       scenes=[_scene_record(s) for s in scenes], runs=list(runs.values()), comparisons=comparisons,
-                      series=series)
+                      series=series, effects=shown)
     return _keep(results, options.folder)
 
 

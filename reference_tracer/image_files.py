@@ -94,6 +94,8 @@ def _write(pixels: np.ndarray, path, kind: str, names: list[str], about: dict) -
     if names:
         spec.channelnames = names
         spec.attribute("compression", "zip")
+    else:
+        spec.attribute("png:compressionLevel", 1)  # half the time for 4 % more bytes
     for key, value in about.items():
         spec.attribute(f"raytruth:{key}", value if isinstance(value, str) else json.dumps(value))
     output = oiio.ImageOutput.create(str(path))

@@ -47,8 +47,8 @@ def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: 
         "native_shapes": sum(p.kind == "native" for p in converted.parts),
         "triangles": converted.triangles, "measured_mesh_error": max(p.error for p in converted.parts),
         "clipped": "; ".join(f"object {i}: {p.clipped}" for i, p in enumerate(converted.parts) if p.clipped),
-        "camera_difference": tracer.camera_difference(), "rays": rays, "build_seconds": converted.seconds,
-        "first_seconds": seconds[0], "warm_seconds": median(seconds[1:]) if repeats else None}
+        "camera_difference": tracer.camera_difference(), "rays": rays, "build": converted.seconds,
+        "first": seconds[0], "warm": median(seconds[1:]) if repeats else None}
     return picture
 
 

@@ -90,7 +90,7 @@ def _triangles(placed: Placed, scene: Scene, resolution: int) -> tuple[np.ndarra
         patch = plane_patch(surface, within)
         if patch is None:
             return nothing
-        return *plane_grid(patch), f"cut to a square of side {2 * patch.half:.4g} that holds all a ray can reach"
+        return *plane_grid(patch), patch.clipped
     if isinstance(surface, Paraboloid):
         grid = paraboloid_grid(surface, within, resolution)
         if grid is None:

@@ -23,7 +23,7 @@ class Placed:
     def __init__(self, obj: Object):
         self.surface = obj.surface
         self._center = np.array(obj.surface.center)
-        self._rotation = rotation_matrix(obj.rotation)
+        self._rotation = None if obj.rotation is None else rotation_matrix(obj.rotation)
 
     @cached_property
     def box(self) -> np.ndarray | None:
@@ -32,13 +32,14 @@ class Placed:
         return None if box is None else np.array(box, float)
 
     def to_world(self, points):
-        return points @ self._rotation.T + self._center
+        return self.turned(points) + self._center
 
     def turned(self, vectors):
-        return vectors @ self._rotation.T
+        return vectors if self._rotation is None else vectors @ self._rotation.T
 
     def to_own_frame(self, points):
-        return (points - self._center) @ self._rotation
+        moved = points - self._center
+        return moved if self._rotation is None else moved @ self._rotation
 
     def corners_in_world(self) -> np.ndarray:
         """(8, 3): the corners of the box of a bounded surface."""

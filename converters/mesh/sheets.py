@@ -23,6 +23,10 @@ class Patch:
     v: np.ndarray  # (3,) unit, along the other; u x v is the normal, out of the solid
     half: float  # half the length of a side
 
+    @property
+    def clipped(self) -> str:
+        return f"cut to a square of side {2 * self.half:.4g} that holds all a ray can reach"
+
 
 def plane_patch(plane: Plane, box: np.ndarray) -> Patch | None:
     """The patch of `plane` that covers its part inside `box` (2, 3); None where the plane misses the ball around it."""

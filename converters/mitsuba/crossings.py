@@ -48,13 +48,16 @@ class Crossings:
         self.max_distance = dr.opaque(mi.Float, scene.tracing.max_distance)
 
     def _meet(self, o, d, limit, sides: Sides, active):
-        """Mitsuba's next intersection, whether there is one, its object, and whether the ray can be crossing there."""
+        """Mitsuba's next intersection, its place, whether there is one, its object, and whether it can be a crossing.
+
+        The place is o + t d: Mitsuba's own, interpolated between corners, is off by 1e-5 on the rectangle of a plane.
+        """
         ray = mi.Ray3f(o, d, limit, mi.Float(0), mi.Color0f())
         si = self.scene.ray_intersect(ray, mi.RayFlags.ShadingFrame, coherent=False, active=active)
         found = active & si.is_valid()
         index = dr.gather(mi.UInt32, self.index_of_shape, dr.reinterpret_array(mi.UInt32, si.shape), found)
         leaving = dr.dot(d, si.n) > 0
-        return si, found, index, found & ~(leaving ^ sides.test(index))
+        return si, dr.fma(d, si.t, o), found, index, found & ~(leaving ^ sides.test(index))
 
     @dr.syntax
     def first_hit(self, o, d, sides: Sides, active) -> Hit:
@@ -63,15 +66,15 @@ class Crossings:
         t, p, facet, normal = mi.Float(dr.inf), mi.Point3f(o), mi.Vector3f(0), mi.Vector3f(0)
         index, met, searching = mi.UInt32(0), mi.Bool(False), mi.Bool(active)
         while searching:
-            si, found, candidate, crossing = self._meet(origin, d, self.max_distance - passed, sides, searching)
+            si, place, found, candidate, crossing = self._meet(origin, d, self.max_distance - passed, sides, searching)
             t = dr.select(crossing, passed + si.t, t)
-            p = dr.select(crossing, si.p, p)
+            p = dr.select(crossing, place, p)
             facet = dr.select(crossing, mi.Vector3f(si.n), facet)
             normal = dr.select(crossing, mi.Vector3f(si.sh_frame.n), normal)
             index = dr.select(crossing, candidate, index)
             met |= crossing
             passed = dr.select(found, passed + si.t, passed)
-            origin = dr.select(found, spawn(si.p, si.n, d), origin)
+            origin = dr.select(found, spawn(place, si.n, d), origin)
             tries += 1
             searching = found & ~crossing & (tries < MOST_REFUSED)
         lost = active & ~met & (tries >= MOST_REFUSED)
@@ -85,11 +88,11 @@ class Crossings:
         origin, passed, tries, searching = mi.Point3f(o), mi.Float(0), mi.UInt32(0), mi.Bool(active)
         words = Sides([mi.UInt64(w) for w in sides.words])
         while searching:
-            si, found, index, crossing = self._meet(origin, d, distance - passed, words, searching)
+            si, place, found, index, crossing = self._meet(origin, d, distance - passed, words, searching)
             intensity *= dr.select(crossing, dr.gather(mi.Float, self.transparency, index, crossing), 1)
             words = Sides.select(crossing, words.flipped(index), words)
             passed = dr.select(found, passed + si.t, passed)
-            origin = dr.select(found, spawn(si.p, si.n, d), origin)
+            origin = dr.select(found, spawn(place, si.n, d), origin)
             tries += 1
             searching = found & (intensity > 0) & (tries < MOST_CROSSINGS)
         return intensity, tries >= MOST_CROSSINGS

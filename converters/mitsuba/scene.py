@@ -58,9 +58,10 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
     start = time.perf_counter()
     made, parts = {}, []
     for index, obj in enumerate(scene.objects):
-        shape = native(obj, scene) if shapes == "native" else None
-        part = Part("native", 0, 0.0, "")
-        if shape is None:
+        exact = native(obj, scene) if shapes == "native" else None
+        if exact:
+            shape, part = exact[0], Part("native", 0, 0.0, exact[1])
+        else:
             mesh = (mesh_object(obj, scene, resolution) if error is None
                     else mesh_to_error(obj, scene, error, share))
             shape = meshed(mesh, f"object-{index}") if mesh.triangles else None

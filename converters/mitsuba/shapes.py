@@ -14,8 +14,8 @@ from reference_tracer.surfaces import Plane, Sphere
 from .variant import mi
 
 
-def native(obj: Object, scene: Scene) -> mi.Shape | None:
-    """The exact Mitsuba shape of `obj`, normals out of the solid, or None where Mitsuba has none.
+def native(obj: Object, scene: Scene) -> tuple[mi.Shape, str] | None:
+    """The exact Mitsuba shape of `obj`, normals out of the solid, and what was clipped; None where Mitsuba has none.
 
     An instance of a sphere can be stretched to an ellipsoid, but is intersected in fp32: its error of 3e-8 times
     (distance / semi-axis)^2, 6e-3 for a semi-axis of 0.1 at distance 3, is that of no exact shape.
@@ -23,11 +23,11 @@ def native(obj: Object, scene: Scene) -> mi.Shape | None:
     match obj.surface:
         case Sphere() as s:
             return mi.load_dict({"type": "sphere", "center": list(s.center), "radius": s.r,
-                                 "flip_normals": s.inside == "positive"})
+                                 "flip_normals": s.inside == "positive"}), ""
         case Plane() as s:
             placed = Placed(obj)
             patch = plane_patch(s, reach_in_frame(scene, placed))
-            return _rectangle(placed, patch) if patch else None
+            return (_rectangle(placed, patch), patch.clipped) if patch else None
     return None
 
 

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from flint import arb, ctx, fmpq
+from flint import arb
 
-from ..numbers.exact import RationalPolynomial
+from ..numbers.exact import RationalPolynomial, rational
 from ..surfaces.surface import Surface
 from .roots import positive_roots
 from .search import Undecidable, search
@@ -53,13 +53,14 @@ def follow(surface: Surface, o, d, inside: bool, limit, bits: int = 96, only_fir
     """
     if surface.degree is None:
         try:
-            return Line(search(surface, o, d, inside, limit, bits, only_first))
+            crossings, wrong_start = search(surface, o, d, inside, limit, bits, only_first)
         except Undecidable as reason:
             return Line(undecided=str(reason))
+        return Line(crossings, wrong_start=wrong_start)
     g = ray_polynomial(surface, o, d).p
     if g == 0:
         return Line(undecided="the ray lies within the surface")
-    roots = positive_roots(g, fmpq(limit) if isinstance(limit, int) else limit, bits)
+    roots = positive_roots(g, rational(limit), bits)
     crossings = [r.t for r in roots if r.crosses]
     line = Line(touches=[r.t for r in roots if not r.crosses],
                 multiple=[r.t for r in roots if r.crosses and r.multiplicity > 1])
@@ -74,12 +75,3 @@ def starts_inside(g) -> bool:
     """The side just after t = 0: the sign of the lowest coefficient that is not zero."""
     return next(c for c in g.coeffs() if c != 0) < 0
 
-
-def value_at(surface: Surface, point, precision: int = 192):
-    """f at a point of the surface's own frame as an arb ball, signed so that f < 0 is inside."""
-    from ..numbers.exact import Series
-
-    with ctx.workprec(precision):
-        parameters = {name: Series.constant(value) for name, value in surface.parameters.items()}
-        value = surface.function(*map(Series.constant, point), **parameters).s[0]
-        return -value if surface.inside == "positive" else value

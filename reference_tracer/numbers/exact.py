@@ -85,57 +85,60 @@ class RationalPolynomial:
 class Series:
     """Balls that enclose a function's value, first and half its second derivative for every t of a ball.
 
-    Where a function has a kink inside the ball the second derivative is NaN and the first one the hull of both
-    slopes; where it is not defined everything is NaN. From NaN nothing is ever concluded. Precision is flint's
+    Where a derivative does not exist somewhere in the ball it is NaN, at a kink the first one is the hull of both
+    slopes; where the function is not defined everything is NaN. From NaN nothing is ever concluded. `nonnegative` tells
+    that the value is known not to be negative, which a ball around zero cannot say of itself. Precision is flint's
     `ctx.prec`, length `ctx.cap` = ORDER: see certify/search.py.
     """
 
-    __slots__ = ("s",)
+    __slots__ = ("s", "nonnegative")
 
-    def __init__(self, s: arb_series):
-        self.s = s
+    def __init__(self, s: arb_series, nonnegative: bool = False):
+        self.s, self.nonnegative = s, nonnegative
 
     @classmethod
     def constant(cls, value) -> Series:
-        return cls(arb_series([cls._coefficient(value)]))
+        ball = value if isinstance(value, arb) else arb(rational(value))
+        return cls(arb_series([ball]), bool(ball >= 0))
 
     @classmethod
     def along(cls, origin, direction, t) -> tuple[Series, ...]:
         """The three coordinates of origin + t direction, all of them balls."""
         return tuple(cls(arb_series([o + t * d, d])) for o, d in zip(origin, direction))
 
-    @staticmethod
-    def _coefficient(value) -> arb:
-        return value if isinstance(value, arb) else arb(rational(value))
-
     @classmethod
-    def _of(cls, other) -> arb_series:
-        return other.s if isinstance(other, Series) else arb_series([cls._coefficient(other)])
+    def _of(cls, other) -> Series:
+        return other if isinstance(other, Series) else cls.constant(other)
 
     def __neg__(self):
         return Series(-self.s)
 
     def __add__(self, other):
-        return Series(self.s + self._of(other))
+        other = self._of(other)
+        return Series(self.s + other.s, self.nonnegative and other.nonnegative)
 
     __radd__ = __add__
 
     def __sub__(self, other):
-        return Series(self.s - self._of(other))
+        return Series(self.s - self._of(other).s)
 
     def __rsub__(self, other):
-        return Series(self._of(other) - self.s)
+        return self._of(other) - self
 
     def __mul__(self, other):
-        return self**2 if other is self else Series(self.s * self._of(other))
+        if other is self:
+            return self**2
+        other = self._of(other)
+        return Series(self.s * other.s, self.nonnegative and other.nonnegative)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other):
-        return Series(self.s / self._of(other))
+        other = self._of(other)
+        return Series(self.s / other.s, self.nonnegative and other.nonnegative)
 
     def __rtruediv__(self, other):
-        return Series(self._of(other) / self.s)
+        return self._of(other) / self
 
     def __pow__(self, n: int):
         if n < 0:
@@ -143,13 +146,30 @@ class Series:
         power = arb_series([arb(1)])
         for _ in range(n):
             power = power * self.s
-        if n and n % 2 == 0:  # a product of a ball with itself does not know that a square is not negative
-            power = arb_series([power[0].nonnegative_part(), *(power[k] for k in range(1, ORDER))])
-        return Series(power)
+        return Series(power, n % 2 == 0 or self.nonnegative)
 
     # --- elementary functions --------------------------------------------------------------------------------------
+    @staticmethod
+    def _cusp(low: arb, high: arb, nonnegative: bool) -> Series:
+        """A value between low and high without derivatives."""
+        return Series(arb_series([low.union(high), arb.nan(), arb.nan()]), nonnegative)
+
     def sqrt(self):
-        return Series(self.s.sqrt())
+        if self.nonnegative and self.s[0].contains(0):
+            return self._cusp(arb(0), self.s[0].upper().sqrt(), True)
+        return Series(self.s.sqrt(), True)
+
+    def cbrt(self):
+        value = self.s[0]
+        if value > 0:
+            return Series((self.s.log() / 3).exp(), True)
+        if value < 0:
+            return -((-self).cbrt())
+        if not value.is_finite():
+            return Series(arb_series([arb.nan()] * ORDER))
+        low = arb(0) if self.nonnegative else value.lower()
+        root = lambda v: v.root(3) if v > 0 else -((-v).root(3)) if v < 0 else arb(0)
+        return self._cusp(root(low), root(value.upper()), self.nonnegative)
 
     def sin(self):
         return Series(self.s.sin())
@@ -161,32 +181,23 @@ class Series:
         return Series(self.s.tan())
 
     def exp(self):
-        return Series(self.s.exp())
+        return Series(self.s.exp(), True)
 
     def log(self):
         return Series(self.s.log())
 
-    def cbrt(self):
-        value = self.s[0]
-        if value > 0:
-            return Series((self.s.log() / 3).exp())
-        if value < 0:
-            return -((-self).cbrt())
-        low, high = value.lower(), value.upper()  # the slope is infinite at zero
-        root = lambda v: v.root(3) if v >= 0 else -((-v).root(3))
-        hull = root(low).union(root(high)) if value.is_finite() else arb.nan()
-        return Series(arb_series([hull, arb.nan(), arb.nan()]))
-
     def absolute(self):
-        return self.maximum(-self)
+        return Series(self.maximum(-self).s, True)
 
     def minimum(self, other):
-        return -((-self).maximum(-Series(self._of(other))))
+        return -((-self).maximum(-self._of(other)))
 
     def maximum(self, other):
-        a, b = self.s, self._of(other)
+        other = self._of(other)
+        a, b = self.s, other.s
         if a[0] >= b[0]:
-            return Series(a)
+            return self
         if b[0] >= a[0]:
-            return Series(b)
-        return Series(arb_series([a[0].max(b[0]), a[1].union(b[1]), arb.nan()]))
+            return other
+        hull = arb_series([a[0].max(b[0]), a[1].union(b[1]), arb.nan()])
+        return Series(hull, self.nonnegative or other.nonnegative)

@@ -154,6 +154,7 @@ def test_how_objects_were_converted(scene_of):
     assert [p.kind for p in native.parts] == ["native", "mesh", "native", "mesh", "nothing"]
     assert [p.kind for p in meshes.parts] == ["mesh"] * 4 + ["nothing"]
     assert native.triangles == native.parts[1].triangles + native.parts[3].triangles > 0
+    assert "square" in native.parts[2].clipped and "square" in meshes.parts[2].clipped
     fine = convert(scene_of(Torus(R=1.0, r=0.5)), "mesh", error=1e-3)
     assert fine.parts[0].error <= 1e-3
     with pytest.raises(InputError, match="native, mesh"):

@@ -86,7 +86,8 @@ def test_M3_sides_of_more_objects_than_a_word_holds(method):
     centers = [(x, y, random.uniform(4, 9)) for x in np.linspace(-4, 4, 13) for y in np.linspace(-3, 3, 10)]
     centers.sort(key=lambda center: -np.hypot(center[0], center[1]))  # the last ones stand in the middle of the picture
     balls = [thing("sphere", center, r=random.uniform(0.3, 0.5), material=material) for center in centers]
-    scene = make_scene(*balls, lights=LIGHTS[:1], size=(10, 8), max_depth=1, max_distance=12, step_size=0.5)
+    scene = make_scene(*balls, lights=LIGHTS[:1], size=(8, 6), camera={"fov": 75}, max_depth=1, max_distance=12,
+                       step_size=0.5)
     expected = recursive.render(scene, Exact(scene) if method == "exact" else None)
     found = render(scene, method)
     assert {0, 1, 2} == set(found.index[found.index >= 0] // 63)

@@ -56,11 +56,15 @@ def test_L1_lights_add_up_by_channel_and_do_not_fall_off(method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_L2_a_light_behind_the_surface_adds_nothing(method):
-    """Camera above the floor, light below it: cos phi = -1, which must not be subtracted from the other light's 1."""
+    """Camera above the floor, light below it: cos phi = -1, which must not be subtracted from the other light's 1. The
+    floor is half transparent (n = 1, nothing beneath), so that the light from below does arrive: by the half it loses
+    the floor's own colour weighs 1 - T = 1/2."""
+    floor = FLOOR | {"material": GREY | {"transparency": 0.5}}
     down = {"direction": [0, -1, 0], "up": [0, 0, 1]}
-    color = pixel(FLOOR, camera=down, lights=[((0, -3, 0), (1, 1, 1)), ((0, 2, 0), (0.5, 0.5, 0.5))], method=method)
-    np.testing.assert_allclose(color, 0.5 * np.array(GREY["color"]), rtol=1e-14)
-    assert pixel(FLOOR, camera=down, lights=[((0, -3, 0), (1, 1, 1))], method=method).tolist() == [0, 0, 0]
+    color = pixel(floor, camera=down, lights=[((0, -3, 0), (1, 1, 1)), ((0, 2, 0), (0.5, 0.5, 0.5))], method=method)
+    np.testing.assert_allclose(color, 0.5 * 0.5 * np.array(GREY["color"]), rtol=1e-14)
+    for below in (floor, FLOOR):
+        assert pixel(below, camera=down, lights=[((0, -3, 0), (1, 1, 1))], method=method).tolist() == [0, 0, 0]
 
 
 def test_a_scene_without_a_light_shows_its_background_and_nothing_else():

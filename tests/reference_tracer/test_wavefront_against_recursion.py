@@ -59,7 +59,7 @@ MATTE = {"color": [0.9, 0.5, 0.3]}
 FLOOR = thing("plane", (0, -1.2, 0), a=0, b=1, c=0.05, material={"color": [0.6, 0.7, 0.9], "reflection": 0.2})
 LIGHTS = [((3, 4, -1), (0.7, 0.6, 0.5)), ((-3, 2, 3), (0.2, 0.3, 0.4))]
 TURN = {"axis": [1, 2, 0.3], "degrees": 40}
-COMMON = {"lights": LIGHTS, "size": (24, 18), "background": (0.1, 0.2, 0.3), "max_depth": 4, "max_distance": 25}
+COMMON = {"lights": LIGHTS, "size": (20, 15), "background": (0.1, 0.2, 0.3), "max_depth": 4, "max_distance": 12}
 
 SCENES = {
     "balls of glass and of mirror": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS),
@@ -108,4 +108,4 @@ def test_the_comparison_can_fail():
     objects, rest = SCENES["balls of glass and of mirror"]
     scene = make_scene(*objects, **{**COMMON, **rest})
     other = make_scene(*objects, **{**COMMON, **rest, "max_depth": 3})
-    assert np.abs(render(scene, "paper").color - recursive.render(other)).max() > 1e-4
+    assert np.abs(render(scene, "exact").color - recursive.render(other, Exact(other))).max() > 1e-4

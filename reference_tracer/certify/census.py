@@ -1,0 +1,149 @@
+"""The census: every ray of a picture, decided once more by proof."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+
+import drjit as dr
+import numpy as np
+
+from ..shading import Collision
+from ..wavefront import Wave
+from ..world import World
+from .certificate import KindCount
+from .objects import Radius
+from .precise import Decision
+from .records import (KINDS, NOTHING, PRIMARY, REFLECTION, REFRACTION, SHADOW, hit_faults, numpy, row_type,
+                      shadow_faults, undecided)
+from .sample import Reservoir
+from .shadows import shadow_rays
+from .sides import side_faults
+
+MOST_KEPT = 500  # rows of undecided rays, and of wrong rays of one fault, that are kept to be looked into
+
+
+class Census:
+    """Watches a trace (wavefront.trace) and re-decides each of its rays by proof: the same ray, so nothing drifts.
+
+    `audited` and `proofs` are Worlds of one scene, the second with the method "proof". Memory is bounded by a wave.
+    """
+
+    def __init__(self, audited: World, proofs: World, edges: np.ndarray, room: int, watched: np.ndarray):
+        """`edges` (pixels) marks edges, `watched` (pixels) those whose decisions are written down; `room` is the
+        number of rays kept of every stratum."""
+        self.audited, self.proofs, self.edges, self.watched = audited, proofs, edges, watched
+        self.radius = Radius(proofs)
+        self.type = row_type(len(audited.camera_sides().words))
+        self.sample = Reservoir(room)
+        self.kinds = {kind: KindCount() for kind in KINDS}
+        self.wrong: dict[tuple[str, int, int], list] = defaultdict(list)  # (fault, kind, object) -> rows
+        self.wrong_counts: Counter = Counter()
+        self.unproven: list[np.ndarray] = []
+        self.decisions: dict[int, Counter] = defaultdict(Counter)  # of watched pixels
+        self.rays_of_pixel = np.zeros(len(edges), np.int64)
+        self.proven_pixel = np.ones(len(edges), bool)
+        self.largest_gap = self.largest_radius = 0.0
+        self.first_pixel = 0  # of the band being traced; the caller sets it
+
+    def observe(self, wave: Wave, collision: Collision) -> None:
+        """One wave and what the audited method found; see wavefront.trace."""
+        proven = self.proofs.nearest(wave.ray)
+        radius = self.radius.of(wave.ray, proven)
+        sides = side_faults(self.proofs, wave.ray)
+        dr.eval(proven, radius, sides)
+        count = len(wave)
+        rows = np.zeros(count, self.type)
+        self._describe(rows, wave.ray, count)
+        rows["generation"], rows["smooth"] = wave.generation, numpy(collision.smooth, count)
+        rows["pixel"] = numpy(wave.slot, count).astype(np.int64) + self.first_pixel
+        rows["edge"] = self.edges[rows["pixel"]]
+        if wave.refracted is None:
+            rows["kind"] = PRIMARY
+        else:
+            rows["kind"] = np.where(numpy(wave.refracted, count), REFRACTION, REFLECTION)
+        rows["limit"] = self.audited.scene.tracing.max_distance
+        for name, hit in (("audited", collision.hit), ("proven", proven)):
+            index = numpy(hit.index, count).astype(np.int64)
+            met = index < self.audited.object_count
+            rows[name]["index"] = np.where(met, index, NOTHING)
+            rows[name]["t"] = np.where(met, numpy(hit.t, count), np.inf)
+            rows[name]["undecided"] = numpy(hit.undecided, count)
+        rows["radius"] = numpy(radius, count)
+        active = numpy(wave.weight, count) > 0  # the others pad the wave
+        self._count_hits(rows[active], numpy(sides.wrong, count)[active], numpy(sides.index, count)[active])
+        lights = self._observe_shadows(wave, collision, rows, active)
+        self._write_down(rows, lights, active)
+
+    def _describe(self, rows: np.ndarray, ray, count: int) -> None:
+        rows["o"], rows["d"] = numpy(ray.o, count), numpy(ray.d, count)
+        for k, word in enumerate(ray.sides.words):
+            rows["sides"][:, k] = numpy(word, count)
+
+    def _observe_shadows(self, wave, collision, rows, active) -> np.ndarray:
+        """Re-decides the shadow rays of a wave. Returns the audited intensity of every light, (n, lights), NaN where
+        no shadow ray was traced."""
+        count, lights = len(wave), []
+        for shadow in shadow_rays(self.audited, wave, collision):
+            verdicts = [world.light_through(shadow.ray, shadow.distance, shadow.asked)
+                        for world in (self.audited, self.proofs)]
+            dr.eval(verdicts)
+            own = rows.copy()
+            self._describe(own, shadow.ray, count)
+            own["kind"], own["towards"], own["smooth"], own["radius"] = SHADOW, shadow.light, True, 0
+            own["limit"] = numpy(shadow.distance, count)
+            for name, (intensity, unsure) in zip(("audited", "proven"), verdicts):
+                own[name]["light"], own[name]["undecided"] = numpy(intensity, count), numpy(unsure, count)
+                own[name]["index"] = NOTHING
+            asked = numpy(shadow.asked, count) & active
+            self._count_shadows(own[asked])
+            lights.append(np.where(asked, own["audited"]["light"], np.nan))
+        return np.stack(lights, axis=-1) if lights else np.empty((count, 0))
+
+    # --- counting --------------------------------------------------------------------------------------------------
+    def _count_hits(self, rows, side_wrong, side_index) -> None:
+        p, sure = rows["proven"], ~undecided(rows)
+        met = p["index"] != NOTHING
+        both = sure & met & (rows["audited"]["index"] == p["index"])
+        if both.any():
+            gap = np.abs(rows["audited"]["t"] - p["t"])[both]
+            self.largest_gap = max(self.largest_gap, float(gap.max()))
+            self.largest_radius = max(self.largest_radius, float(rows["radius"][both].max()))
+        faults = hit_faults(rows)
+        faults["wrong side"] = side_wrong
+        blamed = np.where(met, p["index"], rows["audited"]["index"])
+        self._count(rows, met, faults, lambda fault: np.where(fault == "wrong side", side_index, blamed))
+
+    def _count_shadows(self, rows) -> None:
+        self._count(rows, rows["proven"]["light"] < 1, shadow_faults(rows), lambda _: np.full(len(rows), NOTHING))
+
+    def _count(self, rows, met, faults, blamed) -> None:
+        unsure, wrong = undecided(rows), np.logical_or.reduce(list(faults.values()))
+        self.sample.offer(rows)
+        self.rays_of_pixel += np.bincount(rows["pixel"], minlength=len(self.rays_of_pixel))
+        self.proven_pixel[rows["pixel"][unsure | rows["audited"]["undecided"]]] = False
+        room = MOST_KEPT - sum(map(len, self.unproven))
+        if room > 0 and unsure.any():
+            self.unproven.append(rows[unsure][:room])
+        for kind in np.unique(rows["kind"]):
+            own = rows["kind"] == kind
+            total = self.kinds[KINDS[kind]]
+            for name, which in (("rays", own), ("hits", own & ~unsure & met), ("misses", own & ~unsure & ~met),
+                                ("undecided", own & unsure), ("wrong", own & wrong),
+                                ("refused", own & ~unsure & rows["audited"]["undecided"])):
+                setattr(total, name, getattr(total, name) + int(which.sum()))
+            for fault, mask in faults.items():
+                index = blamed(fault)
+                for k in np.unique(index[mask & own]):
+                    which = mask & own & (index == k)
+                    key = fault, int(kind), int(k)
+                    self.wrong_counts[key] += int(which.sum())
+                    if len(self.wrong[key]) < MOST_KEPT:
+                        self.wrong[key].extend(rows[which][:MOST_KEPT])
+
+    def _write_down(self, rows, lights, active) -> None:
+        """The decisions of watched pixels, as precise.py writes down its own."""
+        for k in np.flatnonzero(active & self.watched[rows["pixel"]]):
+            row = rows[k]
+            index = int(row["audited"]["index"])
+            seen = tuple(None if np.isnan(v) else round(float(v), 12) for v in lights[k]) if index != NOTHING else ()
+            self.decisions[int(row["pixel"])][Decision(int(row["generation"]), int(row["kind"]), index, seen)] += 1

@@ -1,0 +1,48 @@
+"""Questions to single objects of a World, for many rays at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import drjit as dr
+
+from ..rays import Hit, Ray
+from ..world import Family, Member, World
+
+
+def one_by_one(world: World) -> Iterator[tuple[int, Family, Member]]:
+    """Every object of the world with its family, in scene order."""
+    places = sorted((index, row, family) for family in world.families for row, index in enumerate(family.indices))
+    for index, row, family in places:
+        yield index, family, family.member(world.arrays.count(row))
+
+
+class Radius:
+    """How far from t a crossing provably lies (first_hit.Proof.radius), for hits of any object.
+
+    `proofs` is a World whose method is "proof".
+    """
+
+    def __init__(self, proofs: World):
+        self.world = proofs
+        UInt = proofs.arrays.UInt
+        self.rows = []  # one table a family: the row of every object, or no_row
+        self.no_row = max(len(f.indices) for f in proofs.families)
+        for family in proofs.families:
+            row = {index: j for j, index in enumerate(family.indices)}
+            # one entry more than there are objects, for rays that met none
+            self.rows.append(UInt([row.get(k, self.no_row) for k in range(proofs.object_count + 1)]))
+        dr.make_opaque(self.rows)
+
+    def of(self, ray: Ray, hit: Hit):
+        """The radius of every hit (Float): infinity where none is shown, 0 where nothing was hit."""
+        arrays = self.world.arrays
+        result = dr.zeros(arrays.Float, dr.width(hit.t))
+        for family, rows in zip(self.world.families, self.rows):
+            row = dr.gather(arrays.UInt, rows, hit.index)
+            here = row != self.no_row
+            member = family.member(dr.select(here, row, 0), here)
+            t = dr.select(here, hit.t, 1)
+            own = family.method.radius(member.solid, member.local(ray.o, ray.d), t, here)
+            result = dr.select(here, own, result)
+        return result

@@ -1,0 +1,72 @@
+"""Rays and what two methods say of them, as rows of NumPy tables."""
+
+from __future__ import annotations
+
+import numpy as np
+
+KINDS = ("primary", "reflection", "refraction", "shadow")
+PRIMARY, REFLECTION, REFRACTION, SHADOW = range(4)
+NOTHING = -1  # the index of a ray that met no object
+
+# one method's answer: of a first hit t and index, of a shadow ray the part of the light that arrives
+ANSWER = [("t", "f8"), ("index", "i4"), ("light", "f8"), ("undecided", "?")]
+
+
+def row_type(words: int) -> np.dtype:
+    """A ray in world space, where it comes from, and the answers of the audited method and of the proofs.
+
+    `words` is the number of 64-bit words that hold its sides; `limit` is max_distance, or the distance to the light;
+    `towards` is the light of a shadow ray; `radius` encloses the proven t; `edge` marks a pixel on an edge.
+    """
+    return np.dtype([("o", "f8", 3), ("d", "f8", 3), ("sides", "u8", (words,)), ("limit", "f8"),
+                     ("kind", "u1"), ("generation", "u1"), ("pixel", "i8"), ("towards", "i2"), ("edge", "?"),
+                     ("smooth", "?"), ("audited", ANSWER), ("proven", ANSWER), ("radius", "f8")])
+
+
+def numpy(array, count: int) -> np.ndarray:
+    """A Dr.Jit array or vector as NumPy, rays first; constants are repeated for each of `count` rays."""
+    values = array.numpy().T
+    return np.broadcast_to(values, (count, *values.shape[1:]))
+
+
+def is_inside(rows: np.ndarray, index: int) -> np.ndarray:
+    """Whether each ray is inside object `index` at its start (rays.Sides)."""
+    from ..rays import BITS
+
+    return (rows["sides"][:, index // BITS] >> np.uint64(index % BITS)) & np.uint64(1) != 0
+
+
+def hit_faults(rows: np.ndarray) -> dict[str, np.ndarray]:
+    """Which first hits of the audited method are wrong by proof, as masks by the kind of fault."""
+    a, p = rows["audited"], rows["proven"]
+    claimed = ~undecided(rows) & ~a["undecided"]
+    met_a, met_p = a["index"] != NOTHING, p["index"] != NOTHING
+    same = met_a & met_p & (a["index"] == p["index"])
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(a["t"] - p["t"]) > rows["radius"]
+    return {"missed hit": claimed & ~met_a & met_p, "false hit": claimed & met_a & ~met_p,
+            "wrong object": claimed & met_a & met_p & ~same, "wrong distance": claimed & same & apart}
+
+
+def shadow_faults(rows: np.ndarray) -> dict[str, np.ndarray]:
+    """Which shadow verdicts are wrong by proof."""
+    a, p = rows["audited"], rows["proven"]
+    return {"wrong shadow": ~a["undecided"] & ~p["undecided"] & (a["light"] != p["light"])}
+
+
+def undecided(rows: np.ndarray) -> np.ndarray:
+    """Where the proofs decide nothing, or less than a picture needs: see `undecided_because`."""
+    return rows["proven"]["undecided"] | ~rows["smooth"] | unenclosed(rows) | tied(rows)
+
+
+def unenclosed(rows: np.ndarray) -> np.ndarray:
+    """A crossing is proven, but no radius about its t."""
+    return (rows["proven"]["index"] != NOTHING) & np.isinf(rows["radius"])
+
+
+def tied(rows: np.ndarray) -> np.ndarray:
+    """The two methods name different objects at one distance, as far as that is known."""
+    a, p = rows["audited"], rows["proven"]
+    with np.errstate(invalid="ignore"):
+        return ((a["index"] != p["index"]) & (a["index"] != NOTHING) & (p["index"] != NOTHING)
+                & (np.abs(a["t"] - p["t"]) <= rows["radius"]))
