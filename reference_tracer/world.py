@@ -158,7 +158,7 @@ class World:
 
     # --- tables ----------------------------------------------------------------------------------------------------
     def _column(self, values):
-        column = self.arrays.Float(list(values))
+        column = self.arrays.Float(list(values) or [0.0])  # a table without rows is never read, but must exist
         dr.make_opaque(column)
         return column
 

@@ -34,6 +34,7 @@ class About:
     instead: str  # what to use
     single: tuple[float, ...] = ()  # the values at which it also runs in single precision
     labels: tuple[str, ...] = ()  # names of the values, where numbers alone say little
+    answerable: bool = True  # whether a first-hit method that claims exactness has to answer for what is wrong here
 
     def values_in(self, precision: int) -> tuple[float, ...]:
         return self.values if precision == 64 else self.single

@@ -47,7 +47,7 @@ def plane_grid(patch: Patch) -> tuple[np.ndarray, np.ndarray]:
     steps = np.linspace(-patch.half, patch.half, FLAT_CELLS + 1)
     s, t = np.meshgrid(steps, steps, indexing="ij")
     vertices = patch.middle + s.ravel()[:, None] * patch.u + t.ravel()[:, None] * patch.v
-    return vertices, _grid_faces(FLAT_CELLS, FLAT_CELLS + 1)
+    return vertices, _grid_faces(FLAT_CELLS)
 
 
 def paraboloid_grid(paraboloid: Paraboloid, box: np.ndarray, rings: int) -> tuple[np.ndarray, np.ndarray, float] | None:
@@ -81,8 +81,10 @@ def paraboloid_grid(paraboloid: Paraboloid, box: np.ndarray, rings: int) -> tupl
     return vertices, faces if paraboloid.inside == "negative" else faces[:, ::-1], height
 
 
-def _grid_faces(cells: int, row: int) -> np.ndarray:
+def _grid_faces(cells: int) -> np.ndarray:
+    """(2 cells^2, 3): the triangles of a square grid whose vertices are numbered row by row."""
     i, j = np.meshgrid(np.arange(cells), np.arange(cells), indexing="ij")
+    row = cells + 1
     a = (i * row + j).ravel()
     b, c, d = a + row, a + 1, a + row + 1
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([b, d, c], axis=1)])

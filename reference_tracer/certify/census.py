@@ -105,7 +105,7 @@ class Census:
         met = p["index"] != NOTHING
         both = sure & met & (rows["audited"]["index"] == p["index"])
         if both.any():
-            gap = np.abs(rows["audited"]["t"] - p["t"])[both]
+            gap = np.abs(rows["audited"]["t"][both] - p["t"][both])
             self.largest_gap = max(self.largest_gap, float(gap.max()))
             self.largest_radius = max(self.largest_radius, float(rows["radius"][both].max()))
         faults = hit_faults(rows)

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import drjit as dr
+import numpy as np
 
-from ..rays import Hit, Ray
+from ..rays import Hit, Ray, Sides
 from ..world import Family, Member, World
+from .records import SHADOW, numpy
 
 
 def one_by_one(world: World) -> Iterator[tuple[int, Family, Member]]:
@@ -46,3 +48,37 @@ class Radius:
             own = family.method.radius(member.solid, member.local(ray.o, ray.d), t, here)
             result = dr.select(here, own, result)
         return result
+
+
+def ray_of(world: World, rows: np.ndarray) -> Ray:
+    """The rays of a table (records.py) as arrays of `world`."""
+    arrays = world.arrays
+    vector = lambda v: arrays.Vector(*(arrays.Float(v[:, k].copy()) for k in range(3)))
+    return Ray(vector(rows["o"]), vector(rows["d"]),
+               Sides([arrays.Bits(rows["sides"][:, k].copy()) for k in range(rows["sides"].shape[1])]))
+
+
+def local_rays(world: World, rows: np.ndarray) -> np.ndarray:
+    """(objects, n, 2, 3) origin and direction of every ray in every object's own frame, as the kernels compute them."""
+    ray, found = ray_of(world, rows), []
+    for _, _, member in one_by_one(world):
+        local = member.local(ray.o, ray.d)
+        found.append(np.stack([numpy(local.o, len(rows)), numpy(local.d, len(rows))], axis=1))
+    return np.stack(found)
+
+
+def crossings_of(world: World, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(objects, n) how often the world's method sees each ray cross each object, and whether it is undecided.
+
+    For first hits the count stops at 1, for shadow rays behind the first crossing of an opaque object.
+    """
+    arrays, ray = world.arrays, ray_of(world, rows)
+    limit, counts, unsure = arrays.Float(rows["limit"].copy()), [], []
+    shadow = arrays.Bool((rows["kind"] == SHADOW).copy())
+    for index, family, member in one_by_one(world):
+        only_first = ~shadow | (world.scene.objects[index].material.transparency == 0)
+        count, undecided = family.method.crossings(member.solid, member.local(ray.o, ray.d),
+                                                   ray.sides.test(member.index), limit, only_first)
+        counts.append(numpy(count, len(rows)))
+        unsure.append(numpy(undecided, len(rows)))
+    return np.stack(counts), np.stack(unsure)

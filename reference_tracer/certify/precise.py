@@ -15,10 +15,11 @@ from flint import arb, fmpq
 from ..numbers.exact import RationalPolynomial, Series, rational
 from ..scene.model import Object, Rotation, Scene
 from .line import Line, follow
+from .records import NOTHING, PRIMARY, REFLECTION, REFRACTION
 from .search import precision
 
-BITS = 256
-PRIMARY, REFLECTION, REFRACTION = 0, 1, 2  # kinds of rays
+BITS = 256  # of a root; rays and colours carry 64 more
+
 
 Triple = tuple[arb, arb, arb]
 
@@ -33,7 +34,7 @@ class Decision:
 
     generation: int
     kind: int
-    index: int  # the object, -1 where nothing was met
+    index: int  # the object, or NOTHING
     lights: tuple[float | None, ...]  # intensity of each light; None where no shadow ray was traced
 
 
@@ -163,8 +164,8 @@ class PreciseTracer:
             return triple(self.scene.background)
         path.rays += 1
         t, index = self._first_hit(o, d, sides)
-        if index < 0:
-            path.decisions[Decision(generation, kind, -1, ())] += 1
+        if index == NOTHING:
+            path.decisions[Decision(generation, kind, NOTHING, ())] += 1
             return triple(self.scene.background)
         body, point = self.bodies[index], plus(o, d, t)
         normal = body.normal(point)
@@ -193,8 +194,8 @@ class PreciseTracer:
         return color
 
     def _first_hit(self, o, d, sides) -> tuple[arb | None, int]:
-        """(t, object) of the first change of side within max_distance; index -1 where there is none."""
-        best, index = None, -1
+        """(t, object) of the first change of side within max_distance; index NOTHING where there is none."""
+        best, index = None, NOTHING
         for k, body in enumerate(self.bodies):
             t = body.line(o, d, sides[k], self.limit, only_first=True).first
             if t is None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from functools import cached_property
 from typing import Annotated, Literal, Union
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -138,7 +137,7 @@ class Scene(Part):
     background: tuple[Intensity, Intensity, Intensity] = (0.0, 0.0, 0.0)
     tracing: Tracing = Tracing()
 
-    @cached_property
+    @property
     def hash(self) -> str:
         """SHA-256 of everything that can change a pixel; names and descriptions do not count."""
         content = self.model_dump(mode="json", exclude={"schema_", "name", "title", "figure", "description", "estimates"})

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 
 def into_frame(obj, o, d):
-    """Origin and direction in the frame of the object's surface; the rotation is SciPy's, not Rodrigues' of the core."""
+    """Origin and direction in the frame of the object's surface, turned by SciPy and not by the core."""
     o = o - np.array(obj.surface.center)
     if obj.rotation is None:
         return o, d

@@ -23,7 +23,8 @@ def folder_with(path, *names):
 
 
 @pytest.mark.parametrize("names, chosen", [
-    (["libLLVM-15.so", "libLLVM-19.so", "libLLVM.so.17.0.6"], "libLLVM-19.so"), (["libLLVM.so.23.1", "libLLVM-16.so"], "libLLVM.so.23.1"),
+    (["libLLVM-15.so", "libLLVM-19.so", "libLLVM.so.17.0.6"], "libLLVM-19.so"),
+    (["libLLVM.so.23.1", "libLLVM-16.so"], "libLLVM.so.23.1"),
     (["libLLVM-9.so", "libLLVM-14.so.1"], None), (["libclang.so.19", "libLLVM.so"], None), ([], None)])
 def test_the_newest_usable_llvm_of_the_environment_is_found(tmp_path, monkeypatch, names, chosen):
     """Versions below 16 abort the process on some of Dr.Jit's kernels: rather none than one of those."""
@@ -41,7 +42,8 @@ def chosen_in_a_fresh_process(chosen: str | None) -> list[str]:
     code = f"import os, sys, reference_tracer; print(os.environ.get({llvm.VARIABLE!r}), 'drjit' in sys.modules)"
     environment = {key: value for key, value in os.environ.items() if key != llvm.VARIABLE}
     environment |= {llvm.VARIABLE: chosen} if chosen else {}
-    return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True).stdout.split()
+    return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True,
+                          check=True).stdout.split()
 
 
 def test_llvm_is_chosen_before_anything_imports_drjit():
@@ -69,6 +71,7 @@ def test_an_unknown_method_is_told():
 
 def test_single_precision_is_close_and_not_the_truth():
     """24 bits instead of 53: away from edges a colour is off by 1e-8 to 1e-4."""
-    scene = make_scene(thing("sphere", (0, 0, 4), r=1), size=(16, 12), camera={"fov": 25}, lights=[((3, 3, 0), (1, 1, 1))])
+    scene = make_scene(thing("sphere", (0, 0, 4), r=1), size=(16, 12), camera={"fov": 25},
+                       lights=[((3, 3, 0), (1, 1, 1))])
     error = np.abs(render(scene, precision=32).color - render(scene).color)
     assert 1e-9 < np.median(error[error > 0]) < 1e-5 and np.percentile(error, 90) < 1e-3

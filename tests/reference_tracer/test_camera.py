@@ -34,8 +34,10 @@ def test_C1_row_zero_is_the_top_row_and_columns_run_to_the_right():
     np.testing.assert_allclose(picture.position, expected, rtol=1e-15, atol=1e-15)
 
 
-@pytest.mark.parametrize("direction, up, right", [((0, 0, -1), (0, 1, 0), (-1, 0, 0)), ((1, 0, 0), (0, 1, 0), (0, 0, -1)),
-                                                  ((0, 1, 0), (0, 0, -1), (1, 0, 0)), ((0, 0, 1), (0, -1, 0), (-1, 0, 0))])
+@pytest.mark.parametrize("direction, up, right", [((0, 0, -1), (0, 1, 0), (-1, 0, 0)),
+                                                  ((1, 0, 0), (0, 1, 0), (0, 0, -1)),
+                                                  ((0, 1, 0), (0, 0, -1), (1, 0, 0)),
+                                                  ((0, 0, 1), (0, -1, 0), (-1, 0, 0))])
 def test_C1_v_x_is_up_cross_v_dir(direction, up, right):
     """The right hand of one who looks along `direction` with the head towards `up`, in the handedness of section 2."""
     assert frame(Camera(direction=tuple(map(float, direction)), up=tuple(map(float, up)))).v_x.tolist() == list(right)

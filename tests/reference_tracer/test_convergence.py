@@ -18,7 +18,7 @@ def wrong_pixels(step_size: float) -> int:
 
 
 def test_paper_converges_to_exact():
-    """h = 0.4, 0.1, 0.004: a grazed chord shorter than h is missed; the chords missed shrink with h, pixels with h^2."""
+    """h = 0.4, 0.1, 0.004: chords shorter than h may be missed; of a silhouette that is a rim of width h^2."""
     assert np.all(render(SCENE, "exact").status < 2)
     coarse, middle, fine = map(wrong_pixels, (0.4, 0.1, 0.004))
     assert coarse > 20 and 0 < middle < coarse / 4 and fine == 0

@@ -23,7 +23,8 @@ def formula(text: str, **rest) -> dict:
 
 
 def test_every_decision_has_a_test_that_carries_its_id():
-    rows = re.findall(r"^\| ([A-Z]\d+) \|", files(reference_tracer).joinpath("DECISIONS.md").read_text("utf-8"), re.MULTILINE)
+    rows = re.findall(r"^\| ([A-Z]\d+) \|", files(reference_tracer).joinpath("DECISIONS.md").read_text("utf-8"),
+                      re.MULTILINE)
     assert len(rows) == len(set(rows)) >= 27
     functions = [node.name for path in Path(__file__).parent.glob("test_*.py")
                  for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.FunctionDef)]
@@ -71,7 +72,7 @@ def test_M2_the_side_at_the_start_is_told_and_not_read_off_f(method):
 
 
 def test_M2_the_last_step_is_shortened_to_the_end_of_the_ray():
-    """h = 0.7, range 30: the samples before the end are 29.4 and 30, not 30.1. A plane at 29.9 is seen, one at 30.05 not."""
+    """h = 0.7, range 30: the last samples are 29.4 and 30, not 30.1. A plane at 29.9 is seen, one at 30.05 not."""
     for z, index in ((29.9, 0), (30.05, -1)):
         scene = make_scene(thing("plane", (0, 0, z), a=0, b=0, c=-1), step_size=0.7)
         assert shoot(scene, (0, 0, 0), FORWARD, "paper").index.tolist() == [index]
@@ -209,8 +210,8 @@ def test_O3_objects_are_turned_about_their_centre(method):
 
 @pytest.mark.parametrize("method", BASIC)
 def test_O4_a_spindle_torus_is_crossed_twice(method):
-    """R = 0.5, r = 1: along the line y = 0.1, z = 0 it is entered and left at x = -+ sqrt(1.5^2 - 0.1^2); the polynomial
-    form's inner sheet, rho = r - R = 0.5, is not there. T = 1/2: the light keeps 1/4."""
+    """R = 0.5, r = 1: along the line y = 0.1, z = 0 it is entered and left at x = -+ sqrt(1.5^2 - 0.1^2); the
+    polynomial form's inner sheet, rho = r - R = 0.5, is not there. T = 1/2: the light keeps 1/4."""
     scene = make_scene(thing("torus", R=0.5, r=1, material={"transparency": 0.5}), step_size=0.05)
     found = shoot(scene, (-4, 0.1, 0), (1, 0, 0), method)
     assert found.t == pytest.approx(4 - np.sqrt(1.5**2 - 0.01), rel=1e-12)

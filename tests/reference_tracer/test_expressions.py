@@ -22,7 +22,8 @@ NAMES = {name: getattr(math, name) for name in ("sqrt", "sin", "cos", "tan", "ex
     "cbrt": lambda v: math.copysign(abs(v)**(1 / 3), v), "abs": abs, "min": min, "max": max}
 
 FORMULAS = [
-    "x", "-x", "+x", "--x", "x + y - z", "x - y - z", "x - (y - z)", "x*y/z", "x/y/z", "x/(y/z)", "x + y*z", "(x + y)*z",
+    "x", "-x", "+x", "--x", "x + y - z", "x - y - z", "x - (y - z)", "x*y/z", "x/y/z", "x/(y/z)", "x + y*z",
+    "(x + y)*z",
     "-x**2", "(-x)**2", "2*x**2*3", "x**2**1", "x**-2", "-x**-3", "x**2.0", "x - -y", "x*-y", "x/-2", "2 - x", "1/x",
     "1e-3*x + .5*y + 5.*z", "1_000*x", "0x10*x", "x**0 + y", "x**1", f"x**{LARGEST_EXPONENT}",
     "sqrt(x**2 + y**2)", "cbrt(x)*cbrt(y*z)", "sin(x)*cos(y) - tan(z)", "exp(-x**2)/(1 + y**2)", "log(2 + abs(z))",
@@ -54,7 +55,8 @@ def test_a_formula_on_arrays_is_the_formula_on_floats(formula):
 
 
 @pytest.mark.parametrize("formula, degree", [
-    ("x", 1), ("x - 2*y + 3", 1), ("x**2 + y**2 - 1", 2), ("x*y*z - 1", 3), ("(x**2 + y**2 + z**2 + 3)**2 - 16*(x**2 + y**2)", 4),
+    ("x", 1), ("x - 2*y + 3", 1), ("x**2 + y**2 - 1", 2), ("x*y*z - 1", 3),
+    ("(x**2 + y**2 + z**2 + 3)**2 - 16*(x**2 + y**2)", 4),
     ("x/2 + y", 1), ("sqrt(x)", None), ("1/x", None), ("x**-1", None), ("x**0.5", None), ("abs(x)", None),
     ("exp(2)*x", 1), ("x**y", None)])
 def test_the_degree_of_a_formula_is_found(formula, degree):
@@ -63,18 +65,23 @@ def test_the_degree_of_a_formula_is_found(formula, degree):
 
 
 REFUSED = {
-    "a call": "eval('1')", "an import": "__import__('os').system('true')", "an attribute": "x.real", "a method": "x.f(1)",
+    "a call": "eval('1')", "an import": "__import__('os').system('true')", "an attribute": "x.real",
+    "a method": "x.f(1)",
     "a subscript": "x[0]", "an unknown name": "w + x", "a dunder": "__builtins__", "an unknown function": "sinh(x)",
     "a call of a call": "sin(x)(y)", "a keyword": "sin(x=1)", "too few arguments": "max(x)", "too many": "sin(x, y)",
     "star": "max(*x)", "a lambda": "lambda: x", "a comprehension": "[x for x in y]", "a list": "[x]", "a string": "'x'",
-    "an f-string": "f'{x}'", "bytes": "b'x' + x", "a comparison": "x < y", "a condition": "x if y else z", "and": "x and y",
+    "an f-string": "f'{x}'", "bytes": "b'x' + x", "a comparison": "x < y", "a condition": "x if y else z",
+    "and": "x and y",
     "not": "not x", "a walrus": "(w := x)", "bit xor": "x ^ 2", "floor division": "x // 2", "modulo": "x % 2",
     "matrix product": "x @ y", "shift": "x << 2", "bit not": "~x", "a complex number": "1j*x", "a truth": "True*x",
-    "nothing": "None", "dots": "...", "infinity": "1e999*x", "a huge whole number": "9"*400 + "*x", "a statement": "import os",
-    "two statements": "x; y", "an assignment": "x = 1", "empty": "", "blank": "   ", "unbalanced": "(x", "not a formula": "x +",
+    "nothing": "None", "dots": "...", "infinity": "1e999*x", "a huge whole number": "9"*400 + "*x",
+    "a statement": "import os",
+    "two statements": "x; y", "an assignment": "x = 1", "empty": "", "blank": "   ", "unbalanced": "(x",
+    "not a formula": "x +",
     "a constant": "2 + 2", "only pi": "pi", "a huge exponent": f"x**{LARGEST_EXPONENT + 1}", "a tower": "x**9**9**9**9",
     "a very negative exponent": "x**-99", "too long": "x" + " + x" * 600, "too many operations": "+".join("x" * 400),
-    "nested parentheses": "sqrt(" * 70 + "x" + ")" * 70, "deep signs": "-" * 300 + "x", "very deep parentheses": "(" * 900 + "x" + ")" * 900,
+    "nested parentheses": "sqrt(" * 70 + "x" + ")" * 70, "deep signs": "-" * 300 + "x",
+    "very deep parentheses": "(" * 900 + "x" + ")" * 900,
     "a null byte": "x\0", "yield": "(yield x)", "await": "await x", "a decorator": "@x", "a comment alone": "# x"}
 
 
@@ -122,7 +129,8 @@ def test_the_vocabulary_is_the_published_one():
 def test_a_formula_without_a_value_at_the_camera_is_no_crash(formula):
     """1/x has a pole at the camera. M7: what is not finite counts as outside; a formula that never has a value may as
     well be refused. Either way there is an answer, not a traceback."""
-    document = {"camera": {"width": 3, "height": 2}, "objects": [{"surface": {"type": "expression", "formula": formula}}],
+    document = {"camera": {"width": 3, "height": 2},
+                "objects": [{"surface": {"type": "expression", "formula": formula}}],
                 "lights": [{"position": [0, 1, 0]}]}
     try:
         picture = render(parse_scene(json.dumps(document).encode()), "paper")
@@ -133,7 +141,7 @@ def test_a_formula_without_a_value_at_the_camera_is_no_crash(formula):
 
 
 def test_towers_of_powers_cost_no_time():
-    """32^4 is the degree of a formula of 28 characters: to multiply it out takes hours. In a process that can be ended."""
+    """The degree of this short formula is 32^4: to multiply it out takes hours. In a process that can be ended."""
     code = ("from reference_tracer.surfaces import Expression\n"
             "print(Expression(formula='(((x**32 + y)**32)**32)**32').degree)")
     subprocess.run([sys.executable, "-c", code], timeout=20, check=True, capture_output=True)

@@ -109,7 +109,8 @@ def test_axis_rays_meet_known_points(method):
     """Torus R = 2, r = 0.5 along x: 2.5; along z at x = 2: 0.5. Heart along z: 2/3 (9/4 z^2 = 1); along x: 1; its tips
     (0, +-1, 0) are triple roots of the printed f, for which the literal Newton is not asked."""
     torus = make_scene(thing("torus", R=2, r=0.5), step_size=STEP)
-    found = shoot(torus, [(-10, 0, 0), (2, 0, 10), (0, 10, 0), (0, 0, 10)], [(1, 0, 0), (0, 0, -1), (0, -1, 0), (0, 0, -1)],
+    found = shoot(torus, [(-10, 0, 0), (2, 0, 10), (0, 10, 0), (0, 0, 10)],
+                  [(1, 0, 0), (0, 0, -1), (0, -1, 0), (0, 0, -1)],
                   method)
     np.testing.assert_allclose(found.t, [7.5, 9.5, 7.5, np.inf], rtol=1e-13)
     if method != "paper":
@@ -152,7 +153,8 @@ def test_an_expression_finds_what_the_same_surface_finds(method):
     expected = shoot(make_scene(thing("sphere", r=1.5), step_size=STEP), o, d, method)
     box = {"low": [-1.6, -1.6, -1.6], "high": [1.6, 1.6, 1.6]}
     for formula, bounds in (("x**2 + y**2 + z**2 - 2.25", None), ("sqrt(x**2 + y**2 + z**2) - 1.5", box)):
-        scene = make_scene(thing("expression", formula=formula, **({"bounds": bounds} if bounds else {})), step_size=STEP)
+        scene = make_scene(thing("expression", formula=formula, **({"bounds": bounds} if bounds else {})),
+                           step_size=STEP)
         found = shoot(scene, o, d, method)
         np.testing.assert_array_equal(found.index, expected.index)
         np.testing.assert_allclose(found.t, expected.t, rtol=1e-9)

@@ -32,7 +32,8 @@ def read(path):
 
 def test_P1_eight_bits_clamp_and_round_to_nearest_without_gamma():
     """v 255 rounded to nearest: 0.1 is 25.5 in decimal, in binary 25.500000000000001; 127.4/255 and 127.6/255 part."""
-    values = np.array([-1.0, 0.0, 0.25, 0.4999 / 255, 0.5001 / 255, 127.4 / 255, 127.6 / 255, 1.0, 1.5, np.inf, -np.inf, np.nan])
+    values = np.array([-1.0, 0.0, 0.25, 0.4999 / 255, 0.5001 / 255, 127.4 / 255, 127.6 / 255, 1.0, 1.5, np.inf, -np.inf,
+                       np.nan])
     assert to_8_bit(values).tolist() == [0, 0, 64, 0, 1, 127, 128, 255, 255, 255, 0, 0]
     every = np.arange(256) / 255
     assert to_8_bit(every).tolist() == list(range(256))
@@ -49,11 +50,12 @@ def test_P1_png_holds_the_rounded_colours(picture, tmp_path):
 def test_P1_exr_holds_linear_unclamped_values_and_every_plane(picture, tmp_path):
     save(picture, tmp_path / "picture.exr")
     pixels, names, spec = read(tmp_path / "picture.exr")
-    assert sorted(names) == sorted(["R", "G", "B", "Z", "P.x", "P.y", "P.z", "N.x", "N.y", "N.z", "id", "depth", "status"])
+    assert sorted(names) == sorted(["R", "G", "B", "Z", "P.x", "P.y", "P.z", "N.x", "N.y", "N.z", "id", "depth",
+                                    "status"])
     channel = lambda *wanted: np.squeeze(pixels[..., [names.index(name) for name in wanted]])
-    for wanted, plane in ((("R", "G", "B"), picture.color), (("Z",), picture.t), (("P.x", "P.y", "P.z"), picture.position),
-                          (("N.x", "N.y", "N.z"), picture.normal), (("id",), picture.index), (("depth",), picture.depth),
-                          (("status",), picture.status)):
+    for wanted, plane in ((("R", "G", "B"), picture.color), (("Z",), picture.t),
+                          (("P.x", "P.y", "P.z"), picture.position), (("N.x", "N.y", "N.z"), picture.normal),
+                          (("id",), picture.index), (("depth",), picture.depth), (("status",), picture.status)):
         np.testing.assert_array_equal(channel(*wanted), plane.astype(np.float32))
     assert channel("R").max() > 1.5 and np.isposinf(channel("Z")).any() and np.isnan(channel("P.x")).any()
     assert spec.getattribute("raytruth:scene_hash") == picture.scene.hash

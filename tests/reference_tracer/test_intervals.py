@@ -55,7 +55,8 @@ def assert_holds(low, high, exact):
 RING = {
     "a + b": lambda a, b: a + b, "a - b": lambda a, b: a - b, "a b": lambda a, b: a * b, "-a": lambda a, b: -a,
     "a + 1": lambda a, b: a + 1, "1 - a": lambda a, b: 1 - a, "3 a": lambda a, b: 3 * a, "a * -3": lambda a, b: a * -3,
-    "a / 3": lambda a, b: a / 3, "a / -3": lambda a, b: a / -3, "a / b": lambda a, b: a / b, "3 / b": lambda a, b: 3 / b,
+    "a / 3": lambda a, b: a / 3, "a / -3": lambda a, b: a / -3, "a / b": lambda a, b: a / b,
+    "3 / b": lambda a, b: 3 / b,
     "a a": lambda a, b: a * a, "a^0": lambda a, b: a**0 + b**0, "a^1": lambda a, b: a**1, "a^2": lambda a, b: a**2,
     "a^3": lambda a, b: a**3, "a^4": lambda a, b: a**4, "a^7": lambda a, b: a**7, "b^-2": lambda a, b: b**-2,
     "b^-3": lambda a, b: b**-3, "mixed": lambda a, b: (a * b - a**2) / (1 + b**2)}

@@ -18,8 +18,8 @@ def refracted(angle, n1, n2, **options):
     angle = np.atleast_1d(np.asarray(angle, float))
     d = np.stack([np.sin(angle), 0 * angle, -np.cos(angle)])
     number = lambda v: arrays.Float(np.ascontiguousarray(np.broadcast_to(v, angle.shape), float))
-    found = refract(arrays.Vector(*map(number, d)), arrays.Vector(0, 0, 1), number(np.cos(angle)), number(n1), number(n2),
-                    **options)
+    found = refract(arrays.Vector(*map(number, d)), arrays.Vector(0, 0, 1), number(np.cos(angle)), number(n1),
+                    number(n2), **options)
     return found.direction.numpy().T, np.broadcast_to(found.total.numpy(), angle.shape)
 
 
@@ -42,7 +42,8 @@ def test_snell_s_law_about_any_normal():
     normal *= -np.sign(np.sum(normal * d, axis=1, keepdims=True))
     vector = lambda v: arrays.Vector(*(arrays.Float(np.ascontiguousarray(c)) for c in v.T))
     cos1 = -np.sum(normal * d, axis=1)
-    found = refract(vector(d), vector(normal), arrays.Float(cos1), arrays.Float(1), arrays.Float(1.4)).direction.numpy().T
+    found = refract(vector(d), vector(normal), arrays.Float(cos1), arrays.Float(1),
+                    arrays.Float(1.4)).direction.numpy().T
     np.testing.assert_allclose(1.4 * np.cross(found, normal), np.cross(d, normal), atol=1e-15)
     mirror = reflect(vector(d), vector(normal), arrays.Float(cos1)).numpy().T
     np.testing.assert_allclose(np.cross(mirror, normal), np.cross(d, normal), atol=1e-15)
@@ -61,10 +62,11 @@ def test_R2_at_the_critical_angle_itself_it_refracts():
     n1 = 1.25, n2 = 1, cos1 = 0.6, for which 1 - 0.6^2 = 0.64 and 1/1.25 = 0.8 come out equal in double precision."""
     assert np.sqrt(1 - 0.6 * 0.6) == 0.8 == 1 / 1.25
     arrays = backend()
-    along = refract(arrays.Vector(1, 0, 0), arrays.Vector(0, 0, 1), arrays.Float([0, 0]), arrays.Float(1), arrays.Float(1))
+    along = refract(arrays.Vector(1, 0, 0), arrays.Vector(0, 0, 1), arrays.Float([0, 0]), arrays.Float(1),
+                    arrays.Float(1))
     assert not along.total.numpy().any() and along.direction.numpy()[:, 0].tolist() == [1, 0, 0]
-    critical = refract(arrays.Vector(0.8, 0, -0.6), arrays.Vector(0, 0, 1), arrays.Float([0.6, 0.6]), arrays.Float(1.25),
-                       arrays.Float(1))
+    critical = refract(arrays.Vector(0.8, 0, -0.6), arrays.Vector(0, 0, 1), arrays.Float([0.6, 0.6]),
+                       arrays.Float(1.25), arrays.Float(1))
     assert not critical.total.numpy().any()
     np.testing.assert_allclose(critical.direction.numpy()[:, 0], [1, 0, 0], atol=2e-8)
 
@@ -145,8 +147,10 @@ def test_R1_every_medium_is_paired_with_air(method):
 @pytest.mark.parametrize("n, inside", [(1.5, True), (0.7, False)])
 def test_under_water_the_critical_angle_divides_the_picture(n, inside, method):
     """The camera in a half-space of glass (n = 1.5) looks at its surface, or from air at a half-space of n = 0.7: from
-    sin1 > 1/1.5, or 0.7, the secondary ray is the mirrored one, else Snell's. Every pixel is held against the formula."""
-    glass = thing("plane", (0, 0, 2), a=0, b=0, c=1 if inside else -1, material={"transparency": 1, "refractive_index": n})
+    sin1 > 1/1.5, or 0.7, the secondary ray is the mirrored one, else Snell's. Every pixel is held against the
+    formula."""
+    glass = thing("plane", (0, 0, 2), a=0, b=0, c=1 if inside else -1,
+                  material={"transparency": 1, "refractive_index": n})
     camera, after = follow(make_scene(glass, size=(17, 13), camera={"fov": 110}, max_distance=60), method)[:2]
     ratio = n if inside else 1 / n  # n1 / n2
     sine = np.hypot(camera.d[:, 0], camera.d[:, 1])
@@ -195,7 +199,7 @@ def test_glass_of_index_one_is_seen_by_its_weights_only(T, method):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_E1_scenes_refract_by_snell_unless_they_ask_for_the_misprint(method):
-    """sin 30 degrees = 1/2 becomes 1/3 in glass of 1.5; as printed the direction is (1/3, sqrt(1 - 0.75^2)), normalised."""
+    """sin 30 degrees = 1/2 becomes 1/3 in glass of 1.5; as printed the direction is (1/3, sqrt(1 - 0.75^2))."""
     glass = thing("plane", (0, 0, 2), a=0, b=0, c=-1, material={"transparency": 1, "refractive_index": 1.5})
     camera = {"direction": [0, 1, np.sqrt(3)]}
     for parameters, tangent in (({}, 1 / np.sqrt(8)), ({"refraction": "as_printed"}, 1 / 3 / np.sqrt(1 - 0.75**2))):

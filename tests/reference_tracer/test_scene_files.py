@@ -1,4 +1,4 @@
-"""Scene files are untrusted: whatever is wrong with one is told in one line that names the file, the place, the remedy."""
+"""Scene files are untrusted: what is wrong with one is told in one line that names file, place and remedy."""
 
 import json
 import time
@@ -40,32 +40,39 @@ def place(path: str, value, named: str | None = None) -> tuple[str, bytes]:
 
 # name: (the place the error has to name, the file)
 MALFORMED = {
-    "empty file": raw(""), "not JSON": raw("camera: 3"), "half a document": raw('{"objects": ['), "a trailing comma": raw('{"a": 1,}'),
+    "empty file": raw(""), "not JSON": raw("camera: 3"), "half a document": raw('{"objects": ['),
+    "a trailing comma": raw('{"a": 1,}'),
     "a list": raw("[1, 2]"), "a number": raw("3"), "null": raw("null"), "two documents": raw("{} {}"),
     "not UTF-8": raw(b'{"name": "\xff\xfe"}'), "UTF-16": raw('{"objects": []}'.encode("utf-16")),
     "a lone surrogate": raw('{"name": "\\ud800", "objects": []}'), "too large": raw(" " * (LARGEST_FILE + 1)),
-    "deep lists": raw('{"objects": ' + "[" * 5000 + "]" * 5000 + "}"), "deep objects": raw('{"a":' * 100 + "1" + "}" * 100),
-    "NaN": raw('{"objects": [], "background": [NaN, 0, 0]}'), "Infinity": raw('{"objects": [], "background": [0, -Infinity, 0]}'),
+    "deep lists": raw('{"objects": ' + "[" * 5000 + "]" * 5000 + "}"),
+    "deep objects": raw('{"a":' * 100 + "1" + "}" * 100),
+    "NaN": raw('{"objects": [], "background": [NaN, 0, 0]}'),
+    "Infinity": raw('{"objects": [], "background": [0, -Infinity, 0]}'),
     "a number of 5000 digits": raw('{"format": ' + "9" * 5000 + "}"),
     "a repeated key": raw('{"name": "a", "name": "b", "objects": []}'),
     "a repeated key within": raw('{"objects": [{"surface": {"type": "sphere", "r": 1, "r": 2}}]}'),
     "no objects": ("objects", json.dumps({"name": "x"}).encode()), "empty objects": place("objects", []),
     "objects is an object": place("objects", {}), "an object is a text": place("objects[0]", "ball"),
     "no surface": ("objects[0].surface", changed("objects[0]", {"material": {}})),
-    "unknown surface": surface(type="teapot", r=1), "surface without type": surface(r=1), "type is a number": surface(type=3, r=1),
+    "unknown surface": surface(type="teapot", r=1), "surface without type": surface(r=1),
+    "type is a number": surface(type=3, r=1),
     "no radius": ("objects[0].surface.r", surface(type="sphere")[1]),
     "a negative radius": place("objects[0].surface.r", -1), "a zero radius": place("objects[0].surface.r", 0),
     "a radius in quotes": place("objects[0].surface.r", "1"), "a true radius": place("objects[0].surface.r", True),
     "an infinite radius": ("objects[0].surface.r", changed("objects[0].surface.r", 77).replace(b"77", b"1e999")),
-    "a huge radius": place("objects[0].surface.r", 1e300), "a centre in two numbers": place("objects[0].surface.center", [0, 0]),
-    "a centre in four": place("objects[0].surface.center", [0, 0, 0, 0]), "a centre that is null": place("objects[0].surface.center", None),
+    "a huge radius": place("objects[0].surface.r", 1e300),
+    "a centre in two numbers": place("objects[0].surface.center", [0, 0]),
+    "a centre in four": place("objects[0].surface.center", [0, 0, 0, 0]),
+    "a centre that is null": place("objects[0].surface.center", None),
     "an unknown parameter": ("objects[0].surface.R", surface(type="sphere", r=1, R=2)[1]),
     "an unknown key called like a kind": ("objects[0].surface.sphere", surface(type="sphere", r=1, sphere=2)[1]),
     "a plane without normal": ("objects[0].surface", surface(type="plane", a=0, b=0, c=0)[1]),
     "inside is a word": place("objects[0].surface.inside", "yes"),
     "a rotation without axis": ("objects[0].rotation.axis", changed("objects[0].rotation", {"degrees": 3})),
     "a zero axis": ("objects[0].rotation", changed("objects[0].rotation", {"axis": [0, 0, 0], "degrees": 3})),
-    "a formula that calls": ("objects[0].surface.formula", surface(type="expression", formula="__import__('os').system('x')")[1]),
+    "a formula that calls": ("objects[0].surface.formula",
+                             surface(type="expression", formula="__import__('os').system('x')")[1]),
     "a formula that is none": ("objects[0].surface.formula", surface(type="expression", formula="x +")[1]),
     "a formula of a number": ("objects[0].surface.formula", surface(type="expression", formula=3)[1]),
     "a formula too long": ("objects[0].surface.formula", surface(type="expression", formula="x+" * 5000 + "x")[1]),
@@ -73,22 +80,28 @@ MALFORMED = {
                                                                 bounds={"low": [1, 0, 0], "high": [0, 1, 1]})[1]),
     "a colour above one": ("objects[0].material.color[1]", changed("objects[0].material", {"color": [0, 1.5, 0]})),
     "reflection below zero": ("objects[0].material.reflection", changed("objects[0].material", {"reflection": -0.1})),
-    "a refractive index of zero": ("objects[0].material.refractive_index", changed("objects[0].material", {"refractive_index": 0})),
+    "a refractive index of zero": ("objects[0].material.refractive_index",
+                                   changed("objects[0].material", {"refractive_index": 0})),
     "an unknown material key": ("objects[0].material.colour", changed("objects[0].material", {"colour": [1, 1, 1]})),
     "too many objects": ("objects", json.dumps({"objects": [BALL] * 1025}).encode()),
     "a huge picture": place("camera.width", 10 * LONGEST_SIDE),
     "too many pixels": ("camera", changed("camera", {"width": LONGEST_SIDE, "height": LONGEST_SIDE})),
-    "no pixel": place("camera.height", 0), "half a pixel": place("camera.width", 8.5), "pixels in quotes": place("camera.width", "8"),
-    "a zero direction": ("camera", changed("camera.direction", [0, 0, 0])), "a zero up": ("camera", changed("camera.up", [0, 0, 0])),
+    "no pixel": place("camera.height", 0), "half a pixel": place("camera.width", 8.5),
+    "pixels in quotes": place("camera.width", "8"),
+    "a zero direction": ("camera", changed("camera.direction", [0, 0, 0])),
+    "a zero up": ("camera", changed("camera.up", [0, 0, 0])),
     "up along the direction": ("camera", changed("camera.up", [0, 0, -2])), "180 degrees": place("camera.fov", 180),
     "a light without position": ("lights[0].position", changed("lights[0]", {"brightness": [1, 1, 1]})),
     "a negative light": ("lights[0].brightness[2]", changed("lights[0].brightness", [1, 1, -1])),
     "a background in quotes": place("background", "black"), "an endless background": place("background[0]", 1e9),
-    "no step": place("tracing.step_size", 0), "a million steps and more": ("tracing", changed("tracing.step_size", 1e-6)),
+    "no step": place("tracing.step_size", 0),
+    "a million steps and more": ("tracing", changed("tracing.step_size", 1e-6)),
     "a depth of a thousand": place("tracing.max_depth", 1000), "too many samples": place("tracing.samples", 33),
     "an unknown law": place("tracing.refraction", "fresnel"), "an unknown key": place("lamps", []),
-    "a key of control characters": ("?", changed("a\nb\u2028c\x1b[31m", 1)), "a name with spaces": place("name", "my scene"),
-    "a name that is a path": place("name", "../../etc/passwd"), "another format": place("format", 2), "a long title": place("title", "x" * 201),
+    "a key of control characters": ("?", changed("a\nb\u2028c\x1b[31m", 1)),
+    "a name with spaces": place("name", "my scene"),
+    "a name that is a path": place("name", "../../etc/passwd"), "another format": place("format", 2),
+    "a long title": place("title", "x" * 201),
 }
 
 
@@ -112,7 +125,8 @@ def test_a_malformed_file_is_told_in_one_line(name, tmp_path):
 
 @pytest.mark.parametrize("make", ["missing", "a directory", "under a file"])
 def test_what_is_no_file_is_told_in_one_line(make, tmp_path):
-    path = {"missing": tmp_path / "none.json", "a directory": tmp_path, "under a file": tmp_path / "file" / "scene.json"}[make]
+    path = {"missing": tmp_path / "none.json", "a directory": tmp_path,
+            "under a file": tmp_path / "file" / "scene.json"}[make]
     (tmp_path / "file").touch()
     with pytest.raises(InputError) as error:
         load_scene(path)
@@ -152,9 +166,11 @@ def test_a_scene_written_back_is_the_same_scene():
 
 def test_the_hash_tells_pictures_apart_and_nothing_else():
     scene = parse_scene(json.dumps(GOOD).encode())
-    for path, value in (("objects[0].surface.r", 1.0000001), ("tracing.max_depth", 7), ("background[0]", 0.1), ("camera.width", 9)):
+    for path, value in (("objects[0].surface.r", 1.0000001), ("tracing.max_depth", 7), ("background[0]", 0.1),
+                        ("camera.width", 9)):
         assert parse_scene(changed(path, value)).hash != scene.hash
-    for path, value in (("name", "other"), ("title", "t"), ("description", "d"), ("objects[0].name", "n"), ("estimates", "e")):
+    for path, value in (("name", "other"), ("title", "t"), ("description", "d"), ("objects[0].name", "n"),
+                        ("estimates", "e")):
         assert parse_scene(changed(path, value)).hash == scene.hash
 
 
@@ -174,13 +190,16 @@ def conforms(value, schema: dict, root: dict) -> bool:
                     and (schema.get("additionalProperties", True) is not False or set(value) <= set(known))
                     and all(conforms(v, known[k], root) for k, v in value.items() if k in known))
         case "array":
-            items = schema.get("prefixItems", [schema.get("items", {})] * (len(value) if isinstance(value, list) else 0))
-            return (isinstance(value, list) and schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value))
+            if not isinstance(value, list):
+                return False
+            items = schema.get("prefixItems", [schema.get("items", {})] * len(value))
+            return (schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value))
                     and all(conforms(v, s, root) for v, s in zip(value, items)))
         case "number" | "integer" as kind:
             return (isinstance(value, int if kind == "integer" else (int, float)) and not isinstance(value, bool)
                     and value >= schema.get("minimum", value) and value <= schema.get("maximum", value)
-                    and value > schema.get("exclusiveMinimum", value - 1) and value < schema.get("exclusiveMaximum", value + 1))
+                    and value > schema.get("exclusiveMinimum", value - 1)
+                    and value < schema.get("exclusiveMaximum", value + 1))
         case kind:
             return isinstance(value, {"string": str, "boolean": bool, "null": type(None)}[kind])
 
@@ -202,6 +221,7 @@ def test_S1_shipped_scenes_mark_their_estimates(name):
 def test_the_schema_refuses_what_the_reader_refuses():
     schema = json_schema()
     assert schema["$schema"].endswith("2020-12/schema") and conforms(GOOD, schema, schema)
-    for name in ("empty objects", "no radius", "a negative radius", "a radius in quotes", "an unknown key", "a huge picture",
+    for name in ("empty objects", "no radius", "a negative radius", "a radius in quotes", "an unknown key",
+                 "a huge picture",
                  "half a pixel", "an unknown law", "a colour above one", "unknown surface", "a centre in four"):
         assert not conforms(json.loads(MALFORMED[name][1]), schema, schema), name

@@ -90,7 +90,8 @@ def test_L3_light_is_weakened_at_every_crossing(method):
     The shadow ray runs from (0, -1, 0) to (2, 3, 0), through (1, 1, 0).
     """
     assert _shadowed(thing("sphere", (1, 1, 0), r=0.4, material=GLASS), method) == pytest.approx(0.7**2, rel=1e-13)
-    assert _shadowed(thing("plane", (0, 1.5, 0), a=0, b=-1, c=0, material=GLASS), method) == pytest.approx(0.7, rel=1e-13)
+    half_space = thing("plane", (0, 1.5, 0), a=0, b=-1, c=0, material=GLASS)
+    assert _shadowed(half_space, method) == pytest.approx(0.7, rel=1e-13)
     torus = thing("torus", (1, 1, 0), R=0.7, r=0.2, material=GLASS)
     assert _shadowed(torus, method) == pytest.approx(0.7**4, rel=1e-13)
     assert _shadowed(thing("sphere", (1, 1, 0), r=0.4), method) == 0
@@ -129,7 +130,8 @@ def test_D1_a_mirror_box_is_a_geometric_series(r, depth, method):
     r^(depth+1). Light and camera stand on the axis, at z = 0.
     """
     mirrors = _mirrors(r)
-    color = pixel(mirrors["front"], mirrors["back"], lights=[((0, 0, 0), (1, 1, 1))], background=(0, 0, 0.5), method=method,
+    color = pixel(mirrors["front"], mirrors["back"], lights=[((0, 0, 0), (1, 1, 1))], background=(0, 0, 0.5),
+                  method=method,
                   max_depth=depth)
     term = (1 - r) * r**np.arange(depth + 1)
     np.testing.assert_allclose(color, [term[::2].sum(), term[1::2].sum(), 0.5 * r**(depth + 1)], rtol=1e-13, atol=1e-16)
@@ -139,7 +141,8 @@ def test_D1_a_mirror_box_is_a_geometric_series(r, depth, method):
 def test_D1_the_depth_plane_counts_generations(method):
     mirrors = _mirrors(0.5)
     for depth in (0, 3):
-        picture = render(make_scene(mirrors["front"], mirrors["back"], lights=[((0, 0, 0), (1, 1, 1))], max_depth=depth), method)
+        picture = render(make_scene(mirrors["front"], mirrors["back"], lights=[((0, 0, 0), (1, 1, 1))],
+                                    max_depth=depth), method)
         assert picture.depth.tolist() == [[depth]] and picture.metadata["rays"] >= depth + 1
     alone = make_scene(mirrors["front"], lights=[((0, 0, 0), (1, 1, 1))], max_depth=5)
     assert render(alone, method).depth.tolist() == [[1]]  # the reflection meets nothing and ends
@@ -151,9 +154,11 @@ def test_reflection_obeys_the_mirror_law(method):
     ball. The mirrored scene: y -> -y about the floor y = -1, for camera, ball and light alike."""
     ball = thing("sphere", (0.3, 0.5, 5), r=1, material=GREY)
     lights = [((-3, 4, 1), (1, 1, 1))]
-    mirrored = render(make_scene(ball, FLOOR | {"material": {"reflection": 1}}, lights=lights, size=SIZE, camera=CAMERA), method)
+    mirrored = render(make_scene(ball, FLOOR | {"material": {"reflection": 1}}, lights=lights, size=SIZE,
+                                 camera=CAMERA), method)
     seen = mirrored.index == 1
-    alone = render(make_scene(ball, lights=lights, size=SIZE, camera={"position": [0, -2, 0], "direction": [0, 0.5, 1]}), method)
+    alone = render(make_scene(ball, lights=lights, size=SIZE,
+                              camera={"position": [0, -2, 0], "direction": [0, 0.5, 1]}), method)
     flipped = alone.color[::-1]
     assert flipped[seen].max() > 0.3
     np.testing.assert_allclose(mirrored.color[seen], flipped[seen], atol=1e-11)
@@ -171,12 +176,13 @@ def test_the_three_rays_are_mixed_with_the_printed_weights(R, T, method):
     beyond = thing("plane", (0, 0, 6), a=0, b=0, c=-1, material={"color": [0, 0, 1]})
     color = pixel(pane, behind, beyond, lights=[((0, 0, 0), (0.5, 0.5, 0.5))], method=method)
     visible, reflected, refracted = np.array([0.5, 0, 0]), np.array([0, 0.4, 0]), np.array([0, 0, 0.5 * T])
-    np.testing.assert_allclose(color, (visible * (1 - R) + R * reflected) * (1 - T) + T * refracted, rtol=1e-13, atol=1e-16)
+    np.testing.assert_allclose(color, (visible * (1 - R) + R * reflected) * (1 - T) + T * refracted, rtol=1e-13,
+                               atol=1e-16)
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_D2_rays_that_hit_nothing_see_the_background(method):
-    """Directly, in a mirror (R = 0.4) and through glass (T = 0.7), with the weights of section 4.3.4; black by default."""
+    """Directly, in a mirror (R = 0.4), through glass (T = 0.7), with the weights of 4.3.4; black by default."""
     sky = np.array([0.2, 0.4, 0.8])
     ahead = lambda **material: thing("plane", (0, 0, 2), a=0, b=0, c=-1, material={"color": [0, 0, 0], **material})
     np.testing.assert_allclose(pixel(ahead(reflection=0.4), background=sky, method=method), 0.4 * sky, rtol=1e-15)

@@ -14,7 +14,8 @@ from reference_tracer.world import is_inside, rotation_matrix
 
 SURFACES = {
     "plane": Plane(a=1.0, b=-2.0, c=0.5), "sphere": Sphere(r=1.5), "ellipsoid": Ellipsoid(a=0.5, b=2.0, c=1.25),
-    "torus": Torus(R=2.0, r=0.5), "spindle": Torus(R=0.5, r=1.0), "paraboloid": Paraboloid(a=0.75, b=1.5), "heart": Heart()}
+    "torus": Torus(R=2.0, r=0.5), "spindle": Torus(R=0.5, r=1.0), "paraboloid": Paraboloid(a=0.75, b=1.5),
+    "heart": Heart()}
 # the equations as section 7.1 prints them, with x0 = y0 = z0 = 0 and the signs of decision O2
 PRINTED = {
     "plane": lambda x, y, z: x * 1 + y * -2 + z * 0.5,
@@ -109,8 +110,9 @@ def test_boxes_hold_the_surface_and_touch_it(name):
 
 
 def test_nothing_of_the_heart_lies_outside_of_its_box():
-    """Proof. With |y| cbrt(B) <= r^(5/3) and A >= r^2 - 1 the regular form exceeds r^2 - 1 - r^(5/3) > 0 from r = 2.2 on.
-    The rest of [-2.2, 2.2]^3 outside of the box is divided into cells until outward-rounded intervals exclude zero."""
+    """Proof. With |y| cbrt(B) <= r^(5/3) and A >= r^2 - 1 the regular form exceeds r^2 - 1 - r^(5/3) > 0 from r = 2.2
+    on. The rest of [-2.2, 2.2]^3 outside of the box is divided into cells until outward-rounded intervals exclude
+    zero."""
     assert 2.2**2 - 1 - 2.2**(5 / 3) > 0
     low, high = map(np.array, Heart().box())
     cells = np.array([[[-2.2, 2.2]] * 3])

@@ -39,8 +39,8 @@ def test_paper_on_every_shipped_scene(name):
 
 def _closed_forms_exist(scene) -> bool:
     """Not for typed formulas, a torus that overlaps itself, or the heart, whose belt is a triple root."""
-    return all(o.surface.type not in ("heart", "expression") and (o.surface.type != "torus" or o.surface.r < o.surface.R)
-               for o in scene.objects)
+    surfaces = [o.surface for o in scene.objects]
+    return all(s.type not in ("heart", "expression") and (s.type != "torus" or s.r < s.R) for s in surfaces)
 
 
 @pytest.mark.parametrize("name", [name for name in library.names() if _closed_forms_exist(library.scene(name))])
@@ -69,7 +69,8 @@ SCENES = {
     "turned quadrics": ([thing("ellipsoid", (-0.8, 0, 4), a=0.6, b=1.2, c=0.8, rotation=TURN, material=GLASS),
                          thing("paraboloid", (1, -0.5, 5), a=0.6, b=0.8, rotation=TURN, material=MIRROR), FLOOR], {}),
     "torus of glass": ([thing("torus", (0, 0, 4), R=1, r=0.35, rotation=TURN, material=GLASS),
-                        thing("sphere", (0.3, 0.1, 6), r=0.8, material=MATTE), FLOOR], {"size": (16, 12), "max_depth": 3}),
+                        thing("sphere", (0.3, 0.1, 6), r=0.8, material=MATTE), FLOOR],
+                        {"size": (16, 12), "max_depth": 3}),
     "flipped side": ([thing("sphere", (0, 0, 4), r=1, inside="positive", material=GLASS), FLOOR], {}),
     "samples": ([thing("sphere", (0, 0, 4), r=1, material=MIRROR), FLOOR], {"samples": 2, "size": (16, 12)}),
 }
@@ -81,7 +82,8 @@ MARCHED = {
     "as printed": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS), FLOOR], {"refraction": "as_printed"}),
     "large steps": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS), thing("sphere", (1, 0, 4), r=0.5), FLOOR],
                     {"step_size": 0.7}),
-    "few iterations": ([thing("sphere", (-0.6, 0, 4), r=1, material=MIRROR), FLOOR], {"max_iterations": 2, "tolerance": 1e-3}),
+    "few iterations": ([thing("sphere", (-0.6, 0, 4), r=1, material=MIRROR), FLOOR],
+                       {"max_iterations": 2, "tolerance": 1e-3}),
 }
 
 

@@ -96,7 +96,7 @@ FAMILIES = (
         _mirror_box, _observe, laws=(Law("paper", "0: planes have no step too small to see", lambda p: 0.0),)),
     ModelFamily(
         About("depth-limit", "What the depth limit cuts off", "reflection R of two facing mirrors, max_depth 8",
-              (0.3, 0.45, 0.51, 0.52, 0.53, 0.55, 0.7, 0.9),
+              (0.3, 0.45, 0.51, 0.52, 0.53, 0.55, 0.7, 0.9), answerable=False,
               when="Bright surfaces reflect each other more often than max_depth allows.",
               why="R^(D + 1) of the light is missing; it is visible where that exceeds half an 8-bit level.",
               instead="A max_depth of log(1/512) / log(R) or more."),

@@ -150,7 +150,7 @@ FAMILIES = (
               why="sin = sqrt(1 - cos^2) carries a rounding error of 1e-16 (fp64) or 1e-7 (fp32); on one side of it a ray "
                   "turns back, on the other it goes on.",
               instead="Nothing: such pixels are ill-conditioned; a comparison has to excuse them.",
-              single=(1e-2, 1e-4, 1e-5, 1e-6, 1e-7)),
+              single=(1e-2, 1e-4, 1e-5, 1e-6, 1e-7), answerable=False),
         lambda p, draw: _near_critical(p, draw, GLASS, 1.0), _observe_total,
         laws=tuple(Law(m.name, "0 down to p = 1e-14", lambda p: 0.0 if p >= 1e-14 else None) for m in METHODS)),
     ModelFamily(
@@ -159,7 +159,7 @@ FAMILIES = (
               when="Light comes from outside at an angle above asin(n): it is totally reflected on entry.",
               why="A tracer that expects total reflection only inside of objects takes the root of a negative number.",
               instead="Decide by n1 and n2 of the side the ray is on, whichever is larger.",
-              single=(1e-2, 1e-4, 1e-5, 1e-6, 1e-7)),
+              single=(1e-2, 1e-4, 1e-5, 1e-6, 1e-7), answerable=False),
         lambda p, draw: _near_critical(p, draw, 1.0, THIN), _observe_total,
         laws=tuple(Law(m.name, "0 down to p = 1e-14", lambda p: 0.0 if p >= 1e-14 else None) for m in METHODS)),
     ModelFamily(

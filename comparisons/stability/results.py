@@ -1,0 +1,168 @@
+"""The document of the stability suite, `stability.json`: what a report needs to draw failure maps and laws.
+
+Structure: `families` hold one `Series` for every method and precision, a series one `Point` for every value of the
+difficulty p, a point how many rays ended as which kind. A failure map of one family is its series as rows and
+`values` as columns, coloured by `Point.worst`. `kinds` explains the kinds; `findings` are what must not happen.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, ValidationError
+
+from reference_tracer.errors import InputError
+
+from ..results import Machine, Record
+from .outcome import CODE
+
+VERSION = 1
+FILE = "stability.json"
+
+Kind = Literal["correct", "missed", "false", "wrong root", "diverged", "non-finite", "wrong value", "undecided", "too slow"]
+assert set(CODE) == set(Kind.__args__)
+
+
+class MethodRecord(Record):
+    """A method under test."""
+
+    name: str = Field(description="as in Series.method and LawRecord.method")
+    title: str
+    claims: bool = Field(description="whether it claims that answers it does not flag are right (double precision)")
+    wrong_variant: str = Field("", description="if not empty: shown for comparison only, and why it must fail")
+
+
+class Point(Record):
+    """What a method did at one value of p."""
+
+    counts: dict[Kind, int] = Field(description="rays by kind; kinds that did not occur are left out; empty where the "
+                                                "method does not apply")
+    worst_error: float | None = Field(None, description="largest error of the correct answers: of t, or of colour or "
+                                                        "direction in families of the whole model")
+    evaluations: float | None = Field(None, description="mean number of evaluations of f a ray, where it is counted")
+
+    @property
+    def rays(self) -> int:
+        return sum(self.counts.values())
+
+    def rate(self, *kinds: str) -> float:
+        """The share of rays that ended as one of `kinds`."""
+        return sum(self.counts.get(kind, 0) for kind in kinds) / max(self.rays, 1)
+
+    @property
+    def worst(self) -> str:
+        """The kind to colour the point by: the most frequent one that is not "correct", if there is any."""
+        others = {kind: n for kind, n in self.counts.items() if kind != "correct"}
+        return max(others, key=others.get) if others else "correct"
+
+
+class Series(Record):
+    """One method, in one precision, over all values of p."""
+
+    method: str
+    precision: Literal[64, 32]
+    points: list[Point] = Field(description="one for each of FamilyRecord.values (64) or values_single (32), in order")
+
+
+class LawPoint(Record):
+    """Measured rate against the law at one value of p."""
+
+    value: float
+    expected: float
+    low: float = Field(description="the binomial band of this sample about `expected`: lower end")
+    high: float = Field(description="its upper end")
+    measured: float
+    within: bool
+
+
+class LawRecord(Record):
+    """How often a method must fail by theory, and how often it did (double precision)."""
+
+    method: str
+    sentence: str = Field(description="the law in words, with its formula")
+    kinds: list[Kind] = Field(description="what counts: the rate is the share of rays that ended as one of these")
+    curve: list[tuple[float, float]] = Field(description="(p, rate) along a logarithmic axis, to be drawn as a line")
+    points: list[LawPoint] = Field(description="the values of p at which the law speaks")
+    holds: bool
+
+
+class FamilyRecord(Record):
+    """A family of cases with one difficulty."""
+
+    id: str
+    title: str
+    parameter: str = Field(description="what the difficulty p is")
+    values: list[float] = Field(description="of p, from easy to hard")
+    values_single: list[float] = Field(description="of p in single precision; empty where that is not run")
+    labels: list[str] = Field(description="names of the values, if numbers alone say little; else empty")
+    when: str = Field(description="one sentence: when do methods fail here")
+    why: str
+    instead: str = Field(description="what to use instead")
+    series: list[Series]
+    laws: list[LawRecord]
+
+
+class Finding(Record):
+    """A method that claims exactness gave a wrong answer without saying so, or a law is broken."""
+
+    what: Literal["wrong and not flagged", "law broken"]
+    family: str
+    method: str
+    value: float
+    kind: Kind | None = Field(None, description="of the wrong answers; the most frequent one")
+    rate: float = Field(description="the share of rays")
+    sentence: str
+    example: dict | None = Field(None, description="the first such ray: origin o, direction d, side, limit, the numbers f "
+                                                   "takes, the exact distance and the one reported")
+
+
+class Stability(Record):
+    """The whole document."""
+
+    version: Literal[1] = VERSION
+    created: str
+    seconds: float
+    machine: Machine
+    seed: int
+    rays: int = Field(description="at every value of p")
+    confidence: float = Field(description="of the band of one law at one value")
+    kinds: dict[Kind, str] = Field(description="every kind in one sentence")
+    methods: list[MethodRecord]
+    families: list[FamilyRecord]
+    findings: list[Finding]
+
+    def family(self, id: str) -> FamilyRecord:
+        return next(f for f in self.families if f.id == id)
+
+
+def write(document: Stability, folder: Path) -> Path:
+    """Replaces `folder`/stability.json in one step."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / FILE
+    part = path.with_suffix(".part")
+    part.write_text(document.model_dump_json(indent=1), encoding="utf-8")
+    os.replace(part, path)
+    return path
+
+
+def read(folder: str | Path) -> Stability:
+    """The document in `folder`. Raises InputError in one line."""
+    path = Path(folder) / FILE
+    try:
+        text = path.read_text(encoding="utf-8")
+        version = json.loads(text).get("version")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); 'raytruth stability' makes it") from None
+    except (ValueError, AttributeError):
+        raise InputError(f"{path}: is not a stability document; make it again with 'raytruth stability'") from None
+    if version != VERSION:
+        raise InputError(f"{path}: has version {version}, this raytruth reads {VERSION}; run 'raytruth stability' again")
+    try:
+        return Stability.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(map(str, first["loc"]))
+        raise InputError(f"{path}: {place}: {first['msg']}; make it again with 'raytruth stability'") from None

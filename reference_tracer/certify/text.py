@@ -1,0 +1,57 @@
+"""A certificate as plain text."""
+
+from __future__ import annotations
+
+from .certificate import Audit, Certificate, Finding, PathErrors
+
+MOST_SHOWN = 12  # findings, and reasons
+
+
+def told(c: Certificate) -> str:
+    """The certificate for people to read, without a newline at its end."""
+    samples = f", {c.samples} x {c.samples} samples a pixel" if c.samples > 1 else ""
+    lines = [f"{c.scene}, {c.width} x {c.height}{samples}, method {c.method}: {'holds' if c.passed else 'DOES NOT HOLD'}",
+             "", *_census(c), "", *_audit(c.audit), *_paths(c.paths)]
+    lines += _list("Wrong:", c.findings) + _list("Undecided by proof:", c.undecided)
+    return "\n".join(lines)
+
+
+def _census(c: Certificate) -> list[str]:
+    heads = ("rays", "proven hits", "proven misses", "undecided", "wrong", "refused")
+    lines = [f"  {'':<12}" + "".join(f"{h:>15}" for h in heads)]
+    for kind, k in c.kinds.items():
+        if k.rays:
+            values = (k.rays, k.hits, k.misses, k.undecided, k.wrong, k.refused)
+            lines.append(f"  {kind:<12}" + "".join(f"{v:>15,}" for v in values))
+    share = c.undecided_rays / c.rays if c.rays else 0.0
+    lines.append(f"  undecided: {share:.1e} of all rays; t is at most {c.largest_gap:.1e} off the proven one, "
+                 f"whose enclosure is at most {c.largest_radius:.1e} wide either way")
+    return lines
+
+
+def _audit(a: Audit) -> list[str]:
+    kinds = ", ".join(f"{n} {kind}" for kind, n in a.by_kind.items())
+    undecided = sum(a.undecided.values())
+    lines = [f"  audit: {a.rays:,} rays decided exactly ({kinds}; {a.at_edges} at edges): {a.contradictions} proofs "
+             f"contradicted, {a.wrong} wrong, {undecided} undecided, {a.touching} touch an object without crossing it",
+             f"         t is at most {a.largest_error:.1e} off the exact one; proven t use up to {a.largest_share:.0%} "
+             "of their enclosures"]
+    return lines + [f"         undecided: {n} rays, {reason}" for reason, n in a.undecided.items()]
+
+
+def _paths(p: PathErrors) -> list[str]:
+    lines = [f"  paths: {p.paths} pixels recomputed with 77 digits ({p.rays:,} rays, up to generation {p.deepest}): "
+             f"colours differ by at most {p.largest_error:.1e}; {p.above_bar} by more than {p.bar:.0e}"]
+    lines += [f"         {p.not_tried}"] if p.not_tried else []
+    return lines + [f"         near-critical: {text}" for text in p.other_decisions]
+
+
+def _list(title: str, findings: list[Finding]) -> list[str]:
+    if not findings:
+        return []
+    lines = ["", f"  {title}"]
+    for f in findings[:MOST_SHOWN]:
+        lines += [f"    {f.count:>8,}  {f.fault}, {f.rays} rays, {f.object}", f"              e.g. {f.example}"]
+    if len(findings) > MOST_SHOWN:
+        lines.append(f"    and {len(findings) - MOST_SHOWN} more groups")
+    return lines
