@@ -14,7 +14,7 @@ import numpy as np
 from .camera import canvas_point, frame
 from .numbers import Dual
 from .scene.model import Object, Scene
-from .world import is_inside, rotation_matrix
+from .placement import is_inside, rotation_matrix
 
 
 class Search(Protocol):

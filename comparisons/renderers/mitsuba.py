@@ -19,7 +19,7 @@ from reference_tracer.camera import canvas_point, frame
 from reference_tracer.rays import Sides
 from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
-from reference_tracer.world import is_inside
+from reference_tracer.placement import is_inside
 
 MOST_RAYS = 1 << 19
 

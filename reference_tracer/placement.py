@@ -1,0 +1,29 @@
+"""Where an object stands: from its own frame into the world and back."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .scene.model import Object, Rotation
+
+
+def rotation_matrix(rotation: Rotation | None) -> np.ndarray:
+    """The (3, 3) matrix that turns the surface's own frame into the world (Rodrigues' formula)."""
+    if rotation is None:
+        return np.eye(3)
+    k = np.array(rotation.axis) / np.linalg.norm(rotation.axis)
+    turns = rotation.degrees / 90.0
+    if turns == int(turns):  # quarter turns exactly: cos(90 degrees) must be 0, not 6e-17
+        cos, sin = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(turns) % 4]
+    else:
+        cos, sin = math.cos(math.radians(rotation.degrees)), math.sin(math.radians(rotation.degrees))
+    cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
+    return cos * np.eye(3) + sin * cross + (1 - cos) * np.outer(k, k)
+
+
+def is_inside(obj: Object, point) -> bool:
+    """Whether `point` (world space) lies inside the object: f < 0 (decision O1). The side of a camera ray (M3)."""
+    local = rotation_matrix(obj.rotation).T @ (np.asarray(point, float) - np.array(obj.surface.center))
+    return bool(obj.surface(*local.tolist()) < 0)
