@@ -13,6 +13,8 @@ from reference_tracer.errors import InputError
 from reference_tracer.render import Picture
 from reference_tracer.scene.model import Scene
 
+LONG = 3.0  # seconds after which a picture is not made a second time for the sake of its time
+
 
 @dataclass(frozen=True)
 class Renderer:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from statistics import median
 
 import numpy as np
 
@@ -17,27 +16,26 @@ from converters.mitsuba.crossings import Crossings, Hit, spawn
 from converters.mitsuba.variant import dr, mi
 from reference_tracer.camera import canvas_point, frame
 from reference_tracer.rays import Sides
+from reference_tracer.placement import is_inside
 from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
-from reference_tracer.placement import is_inside
+
+from . import LONG
 
 MOST_RAYS = 1 << 19
 
 
 def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: float | None = None,
-           share: float = 1.0, repeats: int = 1) -> Picture:
+           share: float = 1.0, repeat: bool = True) -> Picture:
     """The picture of `scene` on Mitsuba's geometry; see `converters.mitsuba.convert` for the options.
 
-    The metadata keeps apart the seconds to build the scene, to trace it first (kernels are compiled then) and to trace
-    it again (median of `repeats`, None if that is 0). Raises InputError for impossible meshes.
+    The metadata keeps apart the seconds to build the scene, to trace it first (kernels are compiled then) and, if
+    that was quick and `repeat`, to trace it again. Raises InputError for impossible meshes.
     """
     converted = convert(scene, shapes, resolution, error, share)
     tracer = _Tracer(scene, converted)
-    seconds, planes, rays = [], None, 0
-    for _ in range(1 + repeats):
-        start = time.perf_counter()
-        planes, rays = tracer.picture()
-        seconds.append(time.perf_counter() - start)
+    planes, rays, first = _timed(tracer)
+    warm = _timed(tracer)[2] if repeat and first < LONG else None
     camera = scene.camera
     picture = Picture(scene=scene, **{name: plane.reshape(camera.height, camera.width, *plane.shape[1:])
                                       for name, plane in planes.items()})
@@ -48,8 +46,15 @@ def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: 
         "triangles": converted.triangles, "measured_mesh_error": max(p.error for p in converted.parts),
         "clipped": "; ".join(f"object {i}: {p.clipped}" for i, p in enumerate(converted.parts) if p.clipped),
         "camera_difference": tracer.camera_difference(), "rays": rays, "build": converted.seconds,
-        "first": seconds[0], "warm": median(seconds[1:]) if repeats else None}
+        "first": first, "warm": warm}
     return picture
+
+
+def _timed(tracer: _Tracer):
+    """The planes, the number of rays, and the seconds they took."""
+    start = time.perf_counter()
+    planes, rays = tracer.picture()
+    return planes, rays, time.perf_counter() - start
 
 
 @dataclass

@@ -106,17 +106,17 @@ class FamilyRecord(Record):
 
 
 class Finding(Record):
-    """A method that claims exactness gave a wrong answer without saying so, or a law is broken."""
+    """A method that claims exactness gave wrong answers without saying so, or a law is broken."""
 
     what: Literal["wrong and not flagged", "law broken"]
     family: str
     method: str
-    value: float
-    kind: Kind | None = Field(None, description="of the wrong answers; the most frequent one")
-    rate: float = Field(description="the share of rays")
+    values: list[float] = Field(description="of p, where it happened")
+    rates: list[float] = Field(description="the share of rays at each of `values`: of wrong answers, or as measured")
+    kinds: list[Kind] = Field(description="what went wrong, the most frequent first; of a law: what it counts")
     sentence: str
-    example: dict | None = Field(None, description="the first such ray: origin o, direction d, side, limit, the numbers f "
-                                                   "takes, the exact distance and the one reported")
+    example: dict | None = Field(None, description="a wrong ray: origin o, direction d, side, limit, the numbers f takes, "
+                                                   "the exact distance and the one reported")
 
 
 class Stability(Record):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from itertools import groupby
 
 import drjit as dr
 import numpy as np
@@ -19,7 +19,7 @@ from reference_tracer.world import World
 from .family import About, Outcome, counted
 from .law import Law
 from .methods import Method, Setting
-from .outcome import CODE, WRONG
+from .outcome import CODE, NAMES, WRONG
 from .rays import Draw
 
 
@@ -64,8 +64,25 @@ def camera_rays(world: World, o: np.ndarray, d: np.ndarray) -> Ray:
 
 
 @dataclass
+class Case:
+    """Rays from the camera's side of everything in a scene, and the truth about each, by name; arrays of length n."""
+
+    scene: Scene
+    o: np.ndarray  # (n, 3)
+    d: np.ndarray  # (n, 3)
+    truth: dict[str, np.ndarray]
+
+    @staticmethod
+    def joined(cases: list[Case]) -> Case:
+        """All the rays of cases of one scene."""
+        together = lambda pick: np.concatenate([pick(case) for case in cases])
+        return Case(cases[0].scene, together(lambda c: c.o), together(lambda c: c.d),
+                    {name: together(lambda c, name=name: c.truth[name]) for name in cases[0].truth})
+
+
+@dataclass
 class Observed:
-    """What became of n rays: the kind of each (index into outcome.NAMES) and how far it is off where it is correct."""
+    """What became of n rays: the kind of each (index into outcome.NAMES) and how far it is off the truth."""
 
     kinds: np.ndarray
     error: np.ndarray
@@ -74,31 +91,38 @@ class Observed:
 @dataclass(frozen=True)
 class ModelFamily:
     """Rays through a small scene. `case(p, draw)` gives the rays and the truth, `observe(case, method, precision)`
-    what a method makes of them (None where it does not apply)."""
+    what a method makes of them (None where it does not apply). Values of p that share a scene run in one batch."""
 
     about: About
-    case: Callable[[float, Draw], Any]
-    observe: Callable[[Any, Method, int], Observed | None]
+    case: Callable[[float, Draw], Case]
+    observe: Callable[[Case, Method, int], Observed | None]
     laws: tuple[Law, ...] = ()
     variants: tuple[Method, ...] = ()
 
-    def cases(self, precision: int, count: int) -> list:
+    def cases(self, precision: int, count: int) -> list[Case]:
         return [self.case(p, self.about.draw(p, precision, count)) for p in self.about.values_in(precision)]
 
-    def run(self, cases: list, method: Method, precision: int) -> list[Outcome] | None:
-        observed = [self.observe(case, method, precision) for case in cases]
-        return None if observed[0] is None else [_outcome(seen, case) for seen, case in zip(observed, cases)]
+    def run(self, cases: list[Case], method: Method, precision: int) -> list[Outcome] | None:
+        outcomes = []
+        for _, batch in groupby(cases, key=lambda case: case.scene):
+            batch = list(batch)
+            seen = self.observe(Case.joined(batch), method, precision)
+            if seen is None:
+                return None
+            ends = np.cumsum([len(case.o) for case in batch])
+            outcomes += [_outcome(case, seen.kinds[end - len(case.o):end], seen.error[end - len(case.o):end])
+                         for case, end in zip(batch, ends)]
+        return outcomes
 
 
-def _outcome(seen: Observed, case) -> Outcome:
-    right = seen.error[(seen.kinds == CODE["correct"]) & np.isfinite(seen.error)]
-    wrong = np.flatnonzero(np.isin(seen.kinds, [CODE[name] for name in WRONG]))
+def _outcome(case: Case, kinds: np.ndarray, error: np.ndarray) -> Outcome:
+    right = error[(kinds == CODE["correct"]) & np.isfinite(error)]
+    wrong = np.flatnonzero(np.isin(kinds, [CODE[name] for name in WRONG]))
     example = None
     if len(wrong):
         i = int(wrong[0])
-        example = {"kind": list(CODE)[seen.kinds[i]], "o": case.o[i].tolist(), "d": case.d[i].tolist(),
-                   "error": float(seen.error[i])}
-    return Outcome(counted(seen.kinds), float(right.max()) if len(right) else None, None, example)
+        example = {"kind": NAMES[kinds[i]], "o": case.o[i].tolist(), "d": case.d[i].tolist(), "error": float(error[i])}
+    return Outcome(counted(kinds), float(right.max()) if len(right) else None, None, example)
 
 
 def judged(error: np.ndarray, accuracy: float, *, met, undecided) -> Observed:

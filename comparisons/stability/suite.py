@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
@@ -15,7 +16,7 @@ from .outcome import KINDS, WRONG
 from .results import FamilyRecord, Finding, LawPoint, LawRecord, MethodRecord, Point, Series, Stability
 
 RAYS = 400
-FEWEST_RAYS = 50  # below, the bands of the laws say nothing
+FEWEST_RAYS, MOST_RAYS = 50, 100_000  # fewer: the bands of the laws say nothing
 
 Outcomes = dict[tuple[Method, int], list[Outcome | None]]
 
@@ -80,26 +81,40 @@ def _held(law: Law, series: Series, values: Sequence[float]) -> LawRecord:
 
 
 def _unflagged(family: Family, outcomes: Outcomes) -> list[Finding]:
-    """Wrong answers of methods that claim exactness, in double precision, where a finding is theirs to answer for."""
-    findings = []
+    """Wrong answers of methods that claim exactness, in double precision, where they are theirs to answer for."""
+    about, findings = family.about, []
     for (method, precision), result in outcomes.items():
-        if precision != 64 or not method.claims or not family.about.answerable:
+        if precision != 64 or not method.claims or not about.answerable:
             continue
-        for value, outcome in zip(family.about.values, result):
+        kinds, values, rates, example = Counter(), [], [], None
+        for value, outcome in zip(about.values, result):
             wrong = {kind: n for kind, n in outcome.counts.items() if kind in WRONG} if outcome else {}
             if wrong:
-                kind = max(wrong, key=wrong.get)
-                rate = sum(wrong.values()) / sum(outcome.counts.values())
-                findings.append(Finding(
-                    what="wrong and not flagged", family=family.about.id, method=method.name, value=value, kind=kind,
-                    rate=rate, example=outcome.example,
-                    sentence=f"{method.name} claims exactness, and {rate:.1%} of its answers are wrong ({kind}) at "
-                             f"{value:g} of {family.about.id}"))
+                kinds.update(wrong)
+                values.append(value)
+                rates.append(sum(wrong.values()) / sum(outcome.counts.values()))
+                example = example or outcome.example
+        if values:
+            names = [kind for kind, _ in kinds.most_common()]
+            sentence = (f"{method.name} claims exactness, and up to {max(rates):.1%} of its answers are wrong "
+                        f"({', '.join(names)}) and not flagged, at {_listed(values)}")
+            findings.append(Finding(what="wrong and not flagged", family=about.id, method=method.name, values=values,
+                                    rates=rates, kinds=names, sentence=sentence, example=example))
     return findings
 
 
 def _broken_laws(record: FamilyRecord) -> list[Finding]:
-    return [Finding(what="law broken", family=record.id, method=law.method, value=p.value, rate=p.measured,
-                    sentence=f"{law.method} fails on {p.measured:.1%} of the rays at {p.value:g} of {record.id}; "
-                             f"by the law it is {p.expected:.1%}, in this sample {p.low:.1%} to {p.high:.1%}")
-            for law in record.laws for p in law.points if not p.within]
+    findings = []
+    for law in record.laws:
+        off = [p for p in law.points if not p.within]
+        if off:
+            told = "; ".join(f"{p.measured:.1%} in place of {p.expected:.1%} ({p.low:.1%} to {p.high:.1%} in this sample) at "
+                             f"{p.value:g}" for p in off)
+            findings.append(Finding(what="law broken", family=record.id, method=law.method, values=[p.value for p in off],
+                                    rates=[p.measured for p in off], kinds=law.kinds,
+                                    sentence=f"{law.method} does not follow its law: {told}"))
+    return findings
+
+
+def _listed(values: list[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)

@@ -80,4 +80,4 @@ def _summary(certificates) -> str:
             f"{total(lambda c: c.audit.rays):,} audited, {total(lambda c: c.audit.contradictions)} contradictions; "
             f"{total(lambda c: c.paths.paths)} paths, largest error "
             f"{max((c.paths.largest_error for c in certificates), default=0.0):.1e}, "
-            f"{total(lambda c: len(c.paths.other_decisions))} near-critical")
+            f"{total(lambda c: len(c.paths.near_critical))} near-critical")

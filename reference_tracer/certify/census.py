@@ -11,7 +11,7 @@ from ..shading import Collision
 from ..wavefront import Wave
 from ..world import World
 from .certificate import KindCount
-from .objects import Radius
+from .objects import Radius, rivals
 from .precise import Decision
 from .records import (KINDS, NOTHING, PRIMARY, REFLECTION, REFRACTION, SHADOW, hit_faults, numpy, row_type,
                       shadow_faults, undecided)
@@ -19,7 +19,7 @@ from .sample import Reservoir
 from .shadows import shadow_rays
 from .sides import side_faults
 
-MOST_KEPT = 500  # rows of undecided rays, and of wrong rays of one fault, that are kept to be looked into
+MOST_KEPT = 2000  # rows of undecided rays, and of wrong rays of one fault, that are kept to be looked into
 
 
 class Census:
@@ -36,7 +36,7 @@ class Census:
         self.type = row_type(len(audited.camera_sides().words))
         self.sample = Reservoir(room)
         self.kinds = {kind: KindCount() for kind in KINDS}
-        self.wrong: dict[tuple[str, int, int], list] = defaultdict(list)  # (fault, kind, object) -> rows
+        self.wrong: dict[tuple[str, int, int], list[np.ndarray]] = defaultdict(list)  # (fault, kind, object) -> rows
         self.wrong_counts: Counter = Counter()
         self.unproven: list[np.ndarray] = []
         self.decisions: dict[int, Counter] = defaultdict(Counter)  # of watched pixels
@@ -49,8 +49,9 @@ class Census:
         """One wave and what the audited method found; see wavefront.trace."""
         proven = self.proofs.nearest(wave.ray)
         radius = self.radius.of(wave.ray, proven)
+        rivalled = rivals(self.proofs, wave.ray, proven, radius)
         sides = side_faults(self.proofs, wave.ray)
-        dr.eval(proven, radius, sides)
+        dr.eval(proven, radius, rivalled, sides)
         count = len(wave)
         rows = np.zeros(count, self.type)
         self._describe(rows, wave.ray, count)
@@ -68,7 +69,7 @@ class Census:
             rows[name]["index"] = np.where(met, index, NOTHING)
             rows[name]["t"] = np.where(met, numpy(hit.t, count), np.inf)
             rows[name]["undecided"] = numpy(hit.undecided, count)
-        rows["radius"] = numpy(radius, count)
+        rows["radius"], rows["rivalled"] = numpy(radius, count), numpy(rivalled, count)
         active = numpy(wave.weight, count) > 0  # the others pad the wave
         self._count_hits(rows[active], numpy(sides.wrong, count)[active], numpy(sides.index, count)[active])
         lights = self._observe_shadows(wave, collision, rows, active)
@@ -89,7 +90,8 @@ class Census:
             dr.eval(verdicts)
             own = rows.copy()
             self._describe(own, shadow.ray, count)
-            own["kind"], own["towards"], own["smooth"], own["radius"] = SHADOW, shadow.light, True, 0
+            own["kind"], own["towards"] = SHADOW, shadow.light
+            own["smooth"], own["rivalled"], own["radius"] = True, False, 0
             own["limit"] = numpy(shadow.distance, count)
             for name, (intensity, unsure) in zip(("audited", "proven"), verdicts):
                 own[name]["light"], own[name]["undecided"] = numpy(intensity, count), numpy(unsure, count)
@@ -137,8 +139,9 @@ class Census:
                     which = mask & own & (index == k)
                     key = fault, int(kind), int(k)
                     self.wrong_counts[key] += int(which.sum())
-                    if len(self.wrong[key]) < MOST_KEPT:
-                        self.wrong[key].extend(rows[which][:MOST_KEPT])
+                    room = MOST_KEPT - sum(map(len, self.wrong[key]))
+                    if room > 0:
+                        self.wrong[key].append(rows[which][:room])
 
     def _write_down(self, rows, lights, active) -> None:
         """The decisions of watched pixels, as precise.py writes down its own."""

@@ -15,7 +15,8 @@ class KindCount:
     rays: int = 0
     hits: int = 0  # proven
     misses: int = 0  # proven
-    undecided: int = 0  # by the proofs
+    settled: int = 0  # undecided by interval arithmetic; exact arithmetic confirms the audited method
+    undecided: int = 0  # by both
     wrong: int = 0  # the audited method contradicts a proof
     refused: int = 0  # the audited method calls itself undecided where the proofs are not
 
@@ -56,7 +57,8 @@ class PathErrors:
     largest_error: float = 0.0  # of a colour channel, where all decisions are the same
     above_bar: int = 0  # paths with a larger error than `bar` although all decisions are the same
     bar: float = 1e-10
-    other_decisions: list[str] = field(default_factory=list)  # near-critical pixels, each with the ray that differs
+    near_critical: list[str] = field(default_factory=list)  # a ray is decided otherwise, as after a nudge of rounding
+    wrong: list[str] = field(default_factory=list)  # a ray is decided otherwise, whatever the rounding
     not_tried: str = ""
 
 
@@ -91,7 +93,7 @@ class Certificate:
     @property
     def passed(self) -> bool:
         """No wrong ray, no contradiction, no path off its high-precision recomputation."""
-        return not (self.findings or self.audit.contradictions or self.audit.wrong or self.paths.above_bar)
+        return not (self.findings or self.audit.contradictions or self.audit.wrong or self.paths.above_bar or self.paths.wrong)
 
     def document(self) -> dict:
         """Everything, as JSON would hold it."""

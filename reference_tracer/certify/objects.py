@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import drjit as dr
 import numpy as np
 
+from ..numbers import OutwardInterval
 from ..rays import Hit, Ray, Sides
 from ..world import Family, Member, World
 from .records import SHADOW, numpy
@@ -48,6 +49,29 @@ class Radius:
             own = family.method.radius(member.solid, member.local(ray.o, ray.d), t, here)
             result = dr.select(here, own, result)
         return result
+
+
+def rivals(proofs: World, ray: Ray, hit: Hit, radius):
+    """Whether another object may be crossed within `radius` of a hit, so that which is first is not proven (Bool)."""
+    arrays = proofs.arrays
+    low, high = dr.maximum(hit.t - 2 * radius, 0), hit.t + 2 * radius
+    met = hit.index < proofs.object_count
+    close = arrays.UInt(0)
+    for family in proofs.families:
+        close = _close_in(proofs, family, ray, dr.select(met, low, 0), dr.select(met, high, 0), close)
+    return met & (close > 1)
+
+
+@dr.syntax
+def _close_in(proofs: World, family: Family, ray: Ray, low, high, close):
+    UInt = proofs.arrays.UInt
+    j = UInt(0)
+    while j < family.count:
+        member = family.member(j)
+        g, _ = member.solid.enclose(member.local(ray.o, ray.d), low, high, OutwardInterval)
+        close += dr.select(g.excludes_zero(), UInt(0), 1)
+        j += 1
+    return close
 
 
 def ray_of(world: World, rows: np.ndarray) -> Ray:

@@ -9,10 +9,12 @@ import numpy as np
 
 from ..render import Picture
 from .certificate import PathErrors
-from .precise import Critical, PreciseTracer
+from .precise import Critical, Path, PreciseTracer
+from .records import KINDS
 from .sample import shares
 
 MOST_TESTS = 60_000  # rays times objects that the high-precision tracer may take on for a scene
+NUDGES = tuple(sign * size for size in (2e-16, 1e-14, 1e-12) for sign in (1, -1))  # radians
 CANDIDATES = 4  # pixels watched for each path wanted: some will not be proven, some cost too much
 
 
@@ -57,20 +59,30 @@ def _compare(result: PathErrors, tracer: PreciseTracer, picture: Picture, pixel:
     try:
         path = tracer.pixel(row, col)
     except Critical as reason:
-        result.other_decisions.append(f"{where}: {reason}")
+        result.near_critical.append(f"{where}: {reason}")
         return
     result.rays += path.rays
     result.deepest = max(result.deepest, int(picture.depth[row, col]))
     error = max(abs(float(exact - float(ours))) for exact, ours in zip(path.color, picture.color[row, col]))
-    if path.decisions != decisions:
-        result.other_decisions.append(f"{where}: {_difference(path.decisions, decisions)}; colours differ by {error:.1e}")
+    if path.decisions == decisions:
+        result.largest_error = max(result.largest_error, error)
+        result.above_bar += error > result.bar
         return
-    result.largest_error = max(result.largest_error, error)
-    result.above_bar += error > result.bar
+    text = f"{where}: {_difference(path.decisions, decisions)}; colours differ by {error:.1e}"
+    (result.near_critical if _wavers(tracer, path, place) else result.wrong).append(text)
+
+
+def _wavers(tracer: PreciseTracer, path: Path, place) -> bool:
+    """Whether a turn of the camera's rays by rounding or little more changes decisions of the path."""
+    for nudge in NUDGES:
+        try:
+            if tracer.pixel(*place, nudge).decisions != path.decisions:
+                return True
+        except Critical:
+            return True
+    return False
 
 
 def _difference(exact: Counter, ours: Counter) -> str:
-    from .records import KINDS
-
     first = min((exact - ours) + (ours - exact), key=lambda d: d.generation)
     return f"a {KINDS[first.kind]} ray of generation {first.generation} is decided otherwise"

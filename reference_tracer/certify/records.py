@@ -7,6 +7,7 @@ import numpy as np
 KINDS = ("primary", "reflection", "refraction", "shadow")
 PRIMARY, REFLECTION, REFRACTION, SHADOW = range(4)
 NOTHING = -1  # the index of a ray that met no object
+LAST_STEP = 2.0**-50  # 8 units of rounding: where first_hit.refine stops
 
 # one method's answer: of a first hit t and index, of a shadow ray the part of the light that arrives
 ANSWER = [("t", "f8"), ("index", "i4"), ("light", "f8"), ("undecided", "?")]
@@ -16,11 +17,12 @@ def row_type(words: int) -> np.dtype:
     """A ray in world space, where it comes from, and the answers of the audited method and of the proofs.
 
     `words` is the number of 64-bit words that hold its sides; `limit` is max_distance, or the distance to the light;
-    `towards` is the light of a shadow ray; `radius` encloses the proven t; `edge` marks a pixel on an edge.
+    `towards` is the light of a shadow ray; `radius` encloses the proven t; `rivalled` says that another object may be
+    crossed there as well; `smooth` that the gradient exists there; `edge` marks a pixel on an edge.
     """
     return np.dtype([("o", "f8", 3), ("d", "f8", 3), ("sides", "u8", (words,)), ("limit", "f8"),
                      ("kind", "u1"), ("generation", "u1"), ("pixel", "i8"), ("towards", "i2"), ("edge", "?"),
-                     ("smooth", "?"), ("audited", ANSWER), ("proven", ANSWER), ("radius", "f8")])
+                     ("smooth", "?"), ("rivalled", "?"), ("audited", ANSWER), ("proven", ANSWER), ("radius", "f8")])
 
 
 def numpy(array, count: int) -> np.ndarray:
@@ -43,7 +45,7 @@ def hit_faults(rows: np.ndarray) -> dict[str, np.ndarray]:
     met_a, met_p = a["index"] != NOTHING, p["index"] != NOTHING
     same = met_a & met_p & (a["index"] == p["index"])
     with np.errstate(invalid="ignore"):
-        apart = np.abs(a["t"] - p["t"]) > rows["radius"]
+        apart = np.abs(a["t"] - p["t"]) > allowance(rows)
     return {"missed hit": claimed & ~met_a & met_p, "false hit": claimed & met_a & ~met_p,
             "wrong object": claimed & met_a & met_p & ~same, "wrong distance": claimed & same & apart}
 
@@ -54,19 +56,16 @@ def shadow_faults(rows: np.ndarray) -> dict[str, np.ndarray]:
     return {"wrong shadow": ~a["undecided"] & ~p["undecided"] & (a["light"] != p["light"])}
 
 
+def allowance(rows: np.ndarray) -> np.ndarray:
+    """How far the audited t may be off the proven one: its enclosure, and the last step of the search (decision M6)."""
+    return rows["radius"] + LAST_STEP * np.maximum(1, np.abs(rows["proven"]["t"]))
+
+
 def undecided(rows: np.ndarray) -> np.ndarray:
-    """Where the proofs decide nothing, or less than a picture needs: see `undecided_because`."""
-    return rows["proven"]["undecided"] | ~rows["smooth"] | unenclosed(rows) | tied(rows)
+    """Where the proofs decide nothing, or less than a picture needs; reasons.py tells why."""
+    return rows["proven"]["undecided"] | ~rows["smooth"] | unenclosed(rows) | rows["rivalled"]
 
 
 def unenclosed(rows: np.ndarray) -> np.ndarray:
     """A crossing is proven, but no radius about its t."""
     return (rows["proven"]["index"] != NOTHING) & np.isinf(rows["radius"])
-
-
-def tied(rows: np.ndarray) -> np.ndarray:
-    """The two methods name different objects at one distance, as far as that is known."""
-    a, p = rows["audited"], rows["proven"]
-    with np.errstate(invalid="ignore"):
-        return ((a["index"] != p["index"]) & (a["index"] != NOTHING) & (p["index"] != NOTHING)
-                & (np.abs(a["t"] - p["t"]) <= rows["radius"]))

@@ -20,7 +20,7 @@ from .census import Census
 from .certificate import Certificate, Finding
 from .objects import crossings_of
 from .paths import CANDIDATES, candidates, compare_paths
-from .reasons import reasons
+from .reasons import SETTLED, reasons
 from .records import KINDS, NOTHING
 from .sample import edge_pixels
 
@@ -130,7 +130,7 @@ class _Report:
 
 def _tell_faults(report: _Report, census: Census, audited: World, proofs: World) -> None:
     for (fault, kind, index), count in census.wrong_counts.items():
-        rows = np.array(census.wrong[fault, kind, index], census.type)
+        rows = np.concatenate(census.wrong[fault, kind, index])
         if fault != "wrong shadow":
             report.blame(fault, rows[0], index, count=count)
             continue
@@ -144,14 +144,18 @@ def _tell_faults(report: _Report, census: Census, audited: World, proofs: World)
 
 
 def _tell_reasons(report: _Report, census: Census, proofs: World) -> None:
+    """The reason of every undecided ray; those that exact arithmetic settles are counted as such."""
     if not census.unproven:
         return
     rows = np.concatenate(census.unproven)
     for row, (reason, index) in zip(rows, reasons(proofs, rows)):
-        report.doubt(reason, row, index)
+        if reason == SETTLED:
+            total = census.kinds[KINDS[row["kind"]]]
+            total.settled, total.undecided = total.settled + 1, total.undecided - 1
+        else:
+            report.doubt(reason, row, index)
     for kind, total in census.kinds.items():
-        looked_at = int((rows["kind"] == KINDS.index(kind)).sum())
-        if total.undecided > looked_at:
-            key = "not looked into", kind, "none"
-            report.unproven[key] += total.undecided - looked_at
-            report.examples.setdefault(key, "only the first of many undecided rays are looked into")
+        more = total.undecided - sum(n for (_, k, _), n in report.unproven.items() if k == kind)
+        if more:
+            report.unproven["not looked into", kind, "none"] += more
+            report.examples["not looked into", kind, "none"] = "only the first of many undecided rays are looked into"

@@ -11,6 +11,7 @@ from ..rays import Ray
 from ..world import Family, World
 
 NEARNESS = 2.0**-40  # of the coordinates' size: a ray that starts so close to a surface may have started on it
+SMOOTHNESS = 2.0**-20  # change of grad f within that distance, relative, above which it is a kink
 
 
 @dataclass
@@ -26,7 +27,8 @@ def side_faults(world: World, ray: Ray) -> SideFault:
 
     Away from an object's surface the sign of f at the origin decides, proven by interval arithmetic over a small cube.
     On a surface it is noise; there the ray heads to one side of it, which the sign of the slope of f tells. That is
-    asked only where the ray starts on one surface alone: of two that coincide, a ray may be about to enter the second.
+    asked only where the ray starts on one smooth surface alone: where two meet, or at a kink, a ray may have passed one
+    of them and be about to pass the other.
     """
     arrays = world.arrays
     count = arrays.UInt(0)
@@ -48,16 +50,25 @@ def _of_family(world: World, family: Family, ray: Ray, far: SideFault, near: Sid
         local = member.local(ray.o, ray.d)
         reach = NEARNESS * (1 + size + dr.max(dr.abs(local.o)))
         cube = tuple(OutwardInterval(local.o[k] - reach, local.o[k] + reach) for k in range(3))
-        g = member.solid.regular(*Dual.along(cube, tuple(OutwardInterval(local.d[k]) for k in range(3))))
-        value, slope = OutwardInterval.of(g.value), OutwardInterval.of(g.derivative())
+        value, slope, smooth = _linear(member.solid.regular(*Dual.axes(cube)), local.d)
         inside = ray.sides.test(member.index)
         contradicted = dr.select(inside, value.low > 0, value.high < 0)
         far_index = dr.select(contradicted, member.index, far_index)
         far_wrong |= contradicted
         on_it = ~(value.low > 0) & ~(value.high < 0)
-        leaves = on_it & dr.select(inside, slope.low > 0, slope.high < 0)
+        leaves = on_it & smooth & dr.select(inside, slope.low > 0, slope.high < 0)
         near_index = dr.select(leaves, member.index, near_index)
         near_wrong |= leaves
         count += dr.select(on_it, UInt(1), 0)
         j += 1
     return SideFault(far_wrong, far_index), SideFault(near_wrong, near_index), count
+
+
+def _linear(g: Dual, d):
+    """f and its slope along d as intervals, and whether grad f is nearly constant (Bool)."""
+    value = OutwardInterval.of(g.value)
+    gradient = [OutwardInterval.of(g.derivative(k)) for k in range(3)]
+    slope = gradient[0] * d[0] + gradient[1] * d[1] + gradient[2] * d[2]
+    spread = sum((c.high - c.low for c in gradient[1:]), gradient[0].high - gradient[0].low)
+    size = sum((dr.abs(c.high) for c in gradient[1:]), dr.abs(gradient[0].high))
+    return value, slope, spread < SMOOTHNESS * size

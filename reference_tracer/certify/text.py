@@ -17,12 +17,12 @@ def told(c: Certificate) -> str:
 
 
 def _census(c: Certificate) -> list[str]:
-    heads = ("rays", "proven hits", "proven misses", "undecided", "wrong", "refused")
-    lines = [f"  {'':<12}" + "".join(f"{h:>15}" for h in heads)]
+    heads = ("rays", "proven hits", "proven misses", "settled", "undecided", "wrong", "refused")
+    lines = [f"  {'':<12}" + "".join(f"{h:>14}" for h in heads)]
     for kind, k in c.kinds.items():
         if k.rays:
-            values = (k.rays, k.hits, k.misses, k.undecided, k.wrong, k.refused)
-            lines.append(f"  {kind:<12}" + "".join(f"{v:>15,}" for v in values))
+            values = (k.rays, k.hits, k.misses, k.settled, k.undecided, k.wrong, k.refused)
+            lines.append(f"  {kind:<12}" + "".join(f"{v:>14,}" for v in values))
     share = c.undecided_rays / c.rays if c.rays else 0.0
     lines.append(f"  undecided: {share:.1e} of all rays; t is at most {c.largest_gap:.1e} off the proven one, "
                  f"whose enclosure is at most {c.largest_radius:.1e} wide either way")
@@ -43,7 +43,8 @@ def _paths(p: PathErrors) -> list[str]:
     lines = [f"  paths: {p.paths} pixels recomputed with 77 digits ({p.rays:,} rays, up to generation {p.deepest}): "
              f"colours differ by at most {p.largest_error:.1e}; {p.above_bar} by more than {p.bar:.0e}"]
     lines += [f"         {p.not_tried}"] if p.not_tried else []
-    return lines + [f"         near-critical: {text}" for text in p.other_decisions]
+    lines += [f"         near-critical: {text}" for text in p.near_critical]
+    return lines + [f"         wrong: {text}" for text in p.wrong]
 
 
 def _list(title: str, findings: list[Finding]) -> list[str]:

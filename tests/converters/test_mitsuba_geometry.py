@@ -31,7 +31,7 @@ def test_native_sphere(scene_of, radius, distance, inside):
     center = np.array(ASKEW.position) + ([0.3 * radius, 0.1 * radius, -0.2 * radius] if inside else [0, 0, distance])
     camera = ASKEW.model_copy(update={"direction": (0.0, 0.0, 1.0)})
     scene = scene_of(Sphere(center=tuple(center.tolist()), r=radius), camera=camera)
-    picture = render_mitsuba(scene, shapes="native", repeats=0)
+    picture = render_mitsuba(scene, shapes="native", repeat=False)
     assert picture.metadata["native_shapes"] == 1 and picture.metadata["triangles"] == 0
     d, to_center = rays(camera).reshape(*picture.t.shape, 3), center - np.array(camera.position)
     b = d @ to_center
@@ -53,7 +53,7 @@ def test_plane(scene_of, shapes):
     n, center = np.array([0.2, 1.0, -0.1]), np.array([0.0, -1.0, 0.0])
     plane = Object(surface=Plane(center=tuple(center.tolist()), a=0.2, b=1.0, c=-0.1))
     scene = scene_of(plane, camera=ASKEW, tracing=Tracing(max_distance=12.0))
-    picture = render_mitsuba(scene, shapes=shapes, repeats=0)
+    picture = render_mitsuba(scene, shapes=shapes, repeat=False)
     d = rays(ASKEW)
     with np.errstate(divide="ignore"):
         t = (center - np.array(ASKEW.position)) @ n / (d @ n)
@@ -74,7 +74,7 @@ def test_meshes_against_the_exact_reference(scene_of, surface):
     turned = Object(surface=surface, rotation=Rotation(axis=(1.0, 0.2, 0.0), degrees=50.0))
     scene = scene_of(turned, width=160, height=120)
     exact = render(scene, "exact")
-    picture = render_mitsuba(scene, shapes="mesh", resolution=256, repeats=0)
+    picture = render_mitsuba(scene, shapes="mesh", resolution=256, repeat=False)
     both = np.isfinite(exact.t) & np.isfinite(picture.t)
     assert both.sum() > 1000 and (np.isfinite(exact.t) != np.isfinite(picture.t)).sum() <= 3
     d = rays(scene.camera).reshape(*exact.t.shape, 3)
@@ -89,7 +89,7 @@ def test_depth_of_meshes_falls_with_the_square_of_the_resolution(scene_of):
     facing = np.abs(np.einsum("...i,...i->...", exact.normal, rays(scene.camera).reshape(*exact.t.shape, 3))) > 0.3
     errors = []
     for resolution in (32, 64, 128, 256):
-        picture = render_mitsuba(scene, shapes="mesh", resolution=resolution, repeats=0)
+        picture = render_mitsuba(scene, shapes="mesh", resolution=resolution, repeat=False)
         seen = facing & np.isfinite(picture.t)
         errors.append(np.quantile(np.abs(picture.t[seen] - exact.t[seen]), 0.95))
     assert all(3.4 < coarse / fine < 4.6 for coarse, fine in zip(errors, errors[1:]))
@@ -111,9 +111,9 @@ def test_a_mirrored_sensor_is_found(scene_of, monkeypatch):
             "film": {"type": "hdrfilm", "width": camera.width, "height": camera.height}})
 
     scene = scene_of(Sphere(center=(0.0, 0.0, 3.0), r=1.0))
-    assert render_mitsuba(scene, shapes="native", repeats=0).metadata["camera_difference"] < 1e-6
+    assert render_mitsuba(scene, shapes="native", repeat=False).metadata["camera_difference"] < 1e-6
     monkeypatch.setattr("converters.mitsuba.scene.sensor", mirrored)
-    assert render_mitsuba(scene, shapes="native", repeats=0).metadata["camera_difference"] > 0.1
+    assert render_mitsuba(scene, shapes="native", repeat=False).metadata["camera_difference"] > 0.1
 
 
 def test_swapped_winding_is_found(scene_of, monkeypatch):
@@ -123,14 +123,14 @@ def test_swapped_winding_is_found(scene_of, monkeypatch):
     from converters.mesh import mesh_object
 
     scene = scene_of(Sphere(center=(0.0, 0.0, 3.0), r=1.0))
-    sound = render_mitsuba(scene, shapes="mesh", resolution=32, repeats=0)
+    sound = render_mitsuba(scene, shapes="mesh", resolution=32, repeat=False)
 
     def inside_out(*arguments):
         mesh = mesh_object(*arguments)
         return replace(mesh, faces=mesh.faces[:, ::-1])
 
     monkeypatch.setattr("converters.mitsuba.scene.mesh_object", inside_out)
-    wrong = render_mitsuba(scene, shapes="mesh", resolution=32, repeats=0)
+    wrong = render_mitsuba(scene, shapes="mesh", resolution=32, repeat=False)
     front = np.isfinite(sound.t)
     assert (wrong.t[front] > sound.t[front] + 0.1)[sound.normal[front][:, 2] < -0.5].all()
 
@@ -141,7 +141,7 @@ def test_objects_keep_their_numbers(scene_of):
                Torus(center=(0.5, 0.0, 5.0), R=0.3, r=0.1), Sphere(center=(1.5, 0.0, 5.0), r=0.4),
                Plane(center=(0.0, 0.0, 8.0), a=0.0, b=0.0, c=-1.0)]
     for shapes in ("native", "mesh"):
-        picture = render_mitsuba(scene_of(*objects), shapes=shapes, resolution=32, repeats=0)
+        picture = render_mitsuba(scene_of(*objects), shapes=shapes, resolution=32, repeat=False)
         exact = render(scene_of(*objects), "exact")
         assert set(np.unique(picture.index)) == {0, 1, 2, 3, 4}
         assert (picture.index != exact.index).mean() < 5e-3
@@ -164,7 +164,7 @@ def test_how_objects_were_converted(scene_of):
 def test_no_object_within_reach(scene_of):
     background = (0.25, 0.5, 0.75)  # exact in fp32
     picture = render_mitsuba(scene_of(Sphere(center=(0.0, 0.0, -50.0), r=1.0), Plane(a=0.0, b=1.0, c=0.0, center=(
-        0.0, 500.0, 0.0)), background=background), shapes="mesh", resolution=16, repeats=0)
+        0.0, 500.0, 0.0)), background=background), shapes="mesh", resolution=16, repeat=False)
     assert (picture.color == background).all() and np.isinf(picture.t).all() and (picture.index == -1).all()
     assert (picture.status == 0).all() and np.isnan(picture.normal).all()
 
@@ -174,5 +174,5 @@ def test_max_distance_ends_every_ray(scene_of):
     behind = Plane(a=0.0, b=0.0, c=1.0, center=(0.0, 0.0, -5.0))
     for max_distance, expected in ((10.0, 0.5), (12.0, 0.0)):  # the way from the mirror to the wall behind is 11
         picture = render_mitsuba(scene_of(mirror, behind, background=(0.5, 0.5, 0.5), width=1, height=1, lights=(),
-                                          tracing=Tracing(max_distance=max_distance)), shapes="native", repeats=0)
+                                          tracing=Tracing(max_distance=max_distance)), shapes="native", repeat=False)
         assert picture.color[0, 0] == pytest.approx([expected] * 3)  # the wall is unlit

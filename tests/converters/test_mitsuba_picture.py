@@ -21,7 +21,7 @@ def glass(surface, n=1.4, transparency=0.8, reflection=0.0):
 
 def pixel(scene, **options):
     """The colour of a picture of one pixel, whose ray runs along the camera's direction."""
-    return render_mitsuba(scene, repeats=0, **{"shapes": "native", **options}).color[0, 0]
+    return render_mitsuba(scene, repeat=False, **{"shapes": "native", **options}).color[0, 0]
 
 
 def looking(position, direction):
@@ -61,7 +61,7 @@ def test_a_ray_between_two_mirrors(scene_of, depth):
                      lights=(Light(position=(0.0, 0.0, 0.0)),), tracing=Tracing(max_depth=depth))
     expected = sum((1 - r) * r**k for k in range(depth + 1)) + r ** (depth + 1) * background
     for shapes in ("native", "mesh"):
-        picture = render_mitsuba(scene, shapes=shapes, repeats=0)
+        picture = render_mitsuba(scene, shapes=shapes, repeat=False)
         assert picture.color[0, 0] == pytest.approx([expected] * 3, rel=1e-5)
         assert picture.depth[0, 0] == depth
 
@@ -94,7 +94,7 @@ def test_a_slab_of_glass_keeps_the_direction(scene_of, n):
     ball = Object(surface=Sphere(center=(0.5, 0.0, 5.0), r=1.0))
     parts = {"camera": looking((0.0, 0.0, 0.0), (0.1, 0.0, 1.0)), "lights": (Light(position=(-5.0, 0.0, 2.5)),)}
     bare = pixel(scene_of(ball, **parts))
-    seen = render_mitsuba(scene_of(slab, ball, **parts), shapes="native", repeats=0)
+    seen = render_mitsuba(scene_of(slab, ball, **parts), shapes="native", repeat=False)
     assert seen.index[0, 0] == 0 and seen.depth[0, 0] >= 2 and bare[0] > 0.3
     assert seen.color[0, 0] == pytest.approx(bare, abs=2e-3)
 
@@ -141,7 +141,7 @@ def test_native_picture(scene_of):
 
 def test_mesh_picture_at_256(scene_of):
     scene = mirror_and_glass(scene_of)
-    exact, picture = render(scene, "exact"), render_mitsuba(scene, shapes="mesh", resolution=256, repeats=0)
+    exact, picture = render(scene, "exact"), render_mitsuba(scene, shapes="mesh", resolution=256, repeat=False)
     assert (picture.index != exact.index).sum() <= 3
     assert np.quantile(differences(picture, exact), 0.99) <= 1e-3
     assert (differences(picture, exact) > 1 / 255).mean() < 5e-3
@@ -151,7 +151,7 @@ def test_mesh_picture_at_256(scene_of):
 def test_multisampled_picture(scene_of):
     """2 x 2 samples: the mean of the colours, the geometry of the pixels' centres (decision C2)."""
     scene = mirror_and_glass(scene_of, tracing=Tracing(samples=2, max_depth=2))
-    exact, picture = render(scene, "exact"), render_mitsuba(scene, shapes="native", repeats=0)
+    exact, picture = render(scene, "exact"), render_mitsuba(scene, shapes="native", repeat=False)
     assert np.quantile(differences(picture, exact), 0.99) <= 1e-5
     one = render(mirror_and_glass(scene_of), "exact")
     near = one.t < 5  # the floor of the distance is seen at a grazing angle
@@ -161,9 +161,9 @@ def test_multisampled_picture(scene_of):
 def test_bands_do_not_show(scene_of, monkeypatch):
     """Queues of 500 rays give the picture that one queue gives."""
     scene = mirror_and_glass(scene_of, tracing=Tracing(max_depth=2))
-    whole = render_mitsuba(scene, shapes="native", repeats=0)
+    whole = render_mitsuba(scene, shapes="native", repeat=False)
     monkeypatch.setattr("comparisons.renderers.mitsuba.MOST_RAYS", 500)
-    cut = render_mitsuba(scene, shapes="native", repeats=0)
+    cut = render_mitsuba(scene, shapes="native", repeat=False)
     assert np.abs(whole.color - cut.color).max() < 1e-12 and (whole.depth == cut.depth).all()
 
 
@@ -172,7 +172,7 @@ def test_the_camera_may_stand_inside_a_solid(scene_of, position):
     """The side of a camera ray is the sign of f at the camera (decision M3)."""
     camera = Camera(position=position, direction=(-0.2, 0.3, 1.0), width=96, height=72)
     scene = mirror_and_glass(scene_of, camera=camera)
-    exact, picture = render(scene, "exact"), render_mitsuba(scene, shapes="native", repeats=0)
+    exact, picture = render(scene, "exact"), render_mitsuba(scene, shapes="native", repeat=False)
     assert np.quantile(differences(picture, exact), 0.99) <= 2e-5
 
 
@@ -181,7 +181,7 @@ def test_overlapping_glass_keeps_a_side_for_each_object(scene_of):
     left, right = Sphere(center=(-0.4, 0.0, 3.0), r=1.0), Sphere(center=(0.4, 0.0, 3.0), r=1.0)
     ring = Torus(center=(0.0, 0.0, 3.0), R=1.0, r=0.4)
     scene = scene_of(glass(left, 1.3), glass(right, 1.1), glass(ring, 1.2), FLOOR)
-    exact, picture = render(scene, "exact"), render_mitsuba(scene, shapes="mesh", resolution=128, repeats=0)
+    exact, picture = render(scene, "exact"), render_mitsuba(scene, shapes="mesh", resolution=128, repeat=False)
     assert np.quantile(differences(picture, exact), 0.95) <= 2e-3
     assert np.median(differences(picture, exact)) <= 1e-4
 
@@ -190,7 +190,7 @@ def test_overlapping_glass_keeps_a_side_for_each_object(scene_of):
 def _wrong(scene_of, change):
     """What the comparison measures if the reference renders `change`d parameters: its 99th percentile."""
     scene = mirror_and_glass(scene_of)
-    picture = render_mitsuba(scene, shapes="native", repeats=0)
+    picture = render_mitsuba(scene, shapes="native", repeat=False)
     return np.quantile(differences(picture, render(change(scene), "exact")), 0.99)
 
 
@@ -200,7 +200,7 @@ def test_finds_a_wrong_refractive_index(scene_of):
 
 def test_finds_the_misprinted_law_of_refraction(scene_of):
     wrong = render(mirror_and_glass(scene_of).traced_with(refraction="as_printed"), "exact")
-    picture = render_mitsuba(mirror_and_glass(scene_of), shapes="native", repeats=0)
+    picture = render_mitsuba(mirror_and_glass(scene_of), shapes="native", repeat=False)
     assert (~(differences(picture, wrong) < 1 / 255)).mean() > 0.01  # the misprint also makes NaN
 
 
@@ -212,14 +212,14 @@ def test_finds_a_picture_upside_down(scene_of):
     scene = mirror_and_glass(scene_of)
     exact = render(scene, "exact")
     exact.color = exact.color[::-1]
-    assert np.quantile(differences(render_mitsuba(scene, shapes="native", repeats=0), exact), 0.99) > 0.1
+    assert np.quantile(differences(render_mitsuba(scene, shapes="native", repeat=False), exact), 0.99) > 0.1
 
 
 def test_an_offset_like_mitsubas_own_would_dominate(scene_of, monkeypatch):
     """Why rays start 1e-6 off a surface: 9e-5 costs ten times the accuracy."""
     scene = mirror_and_glass(scene_of)
     exact = render(scene, "exact")
-    fine = np.quantile(differences(render_mitsuba(scene, shapes="native", repeats=0), exact), 0.99)
+    fine = np.quantile(differences(render_mitsuba(scene, shapes="native", repeat=False), exact), 0.99)
     monkeypatch.setattr("converters.mitsuba.crossings.OFFSET", 9e-5)
-    coarse = np.quantile(differences(render_mitsuba(scene, shapes="native", repeats=0), exact), 0.99)
+    coarse = np.quantile(differences(render_mitsuba(scene, shapes="native", repeat=False), exact), 0.99)
     assert math.isfinite(coarse) and coarse > 5 * fine

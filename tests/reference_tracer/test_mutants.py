@@ -1,10 +1,11 @@
 """Small deliberate faults, one line each: the tests have to notice every one of them.
 
 A mutant is the source of a module with one passage replaced, put in place of the original for the length of one check;
-the check is a test of this suite, which passes on the original. Where the passage is gone because the code has changed,
-the mutant needs a new one.
+the check is a test of this suite, which passes on the original. A mutant whose passage is gone, because the code has
+changed, needs a new one.
 """
 
+import importlib
 import importlib.util
 import inspect
 import sys
@@ -21,13 +22,13 @@ import test_refraction as refraction
 import test_shading as shading
 import test_surfaces as surfaces
 
+import reference_tracer
 from reference_tracer.errors import InputError
 
 
 @dataclass
 class Mutant:
-    file: str  # of the package reference_tracer
-    right: str
+    right: str  # stands once in the fast tracer's files
     wrong: str
     check: Callable
     arguments: tuple = ()
@@ -36,147 +37,149 @@ class Mutant:
 MUTANTS = {
     # sections 2 and 5
     "C1 rows from the bottom": Mutant(
-        "camera.py", "f.ratio * (-(row + (sample_row + 0.5) / samples) + f.height * 0.5)",
+        "f.ratio * (-(row + (sample_row + 0.5) / samples) + f.height * 0.5)",
         "f.ratio * ((row + (sample_row + 0.5) / samples) - f.height * 0.5)",
         camera.test_C1_row_zero_is_the_top_row_and_columns_run_to_the_right),
     "C1 mirrored": Mutant(
-        "camera.py", "np.cross(np.array(camera.up), v_dir)", "np.cross(v_dir, np.array(camera.up))",
+        "np.cross(np.array(camera.up), v_dir)", "np.cross(v_dir, np.array(camera.up))",
         camera.test_C1_row_zero_is_the_top_row_and_columns_run_to_the_right),
     "C1 field of view over the shorter side": Mutant(
-        "camera.py", "max(camera.width, camera.height)", "min(camera.width, camera.height)",
+        "ratio=span / max(camera.width", "ratio=span / min(camera.width",
         camera.test_C1_the_longer_side_spans_the_field_of_view, (60.0, 48, 36)),
     "C2 samples at the corners": Mutant(
-        "camera.py", "(sample_col + 0.5) / samples", "sample_col / samples",
+        "(sample_col + 0.5) / samples", "sample_col / samples",
         camera.test_C2_samples_lie_on_a_regular_grid_of_sub_pixel_centres),
     "P1 truncated": Mutant(
-        "image_files.py", "* 255 + 0.5", "* 255",
+        "* 255 + 0.5", "* 255",
         image_files.test_P1_eight_bits_clamp_and_round_to_nearest_without_gamma),
     # sections 3 and 7
     "O1 the flip forgotten in kernels": Mutant(
-        "world.py", '-1.0 if surface.inside == "positive" else 1.0', "1.0",
+        '-1.0 if surface.inside == "positive" else 1.0', "1.0",
         decisions.test_N1_the_normal_is_turned_against_the_ray, ("positive", "exact")),
     "O2 plane turned over": Mutant(
-        "surfaces/plane.py", "x * a + y * b + z * c", "-(x * a + y * b + z * c)",
+        "x * a + y * b + z * c", "-(x * a + y * b + z * c)",
         surfaces.test_O2_planes_and_paraboloids_are_half_open_solids),
     "O2 paraboloid turned over": Mutant(
-        "surfaces/paraboloid.py", "x**2 / a**2 + y**2 / b**2 - z", "z - x**2 / a**2 - y**2 / b**2",
+        "x**2 / a**2 + y**2 / b**2 - z", "z - x**2 / a**2 - y**2 / b**2",
         surfaces.test_O2_planes_and_paraboloids_are_half_open_solids),
     "O3 turned the other way": Mutant(
-        "world.py", "+ sin * cross", "- sin * cross", decisions.test_O3_objects_are_turned_about_their_centre,
+        "+ sin * cross", "- sin * cross", decisions.test_O3_objects_are_turned_about_their_centre,
         ("exact",)),
     "O4 polynomial torus": Mutant(
-        "surfaces/torus.py", "(sqrt(x**2 + y**2) - R) ** 2 + z**2 - r**2",
+        "(sqrt(x**2 + y**2) - R) ** 2 + z**2 - r**2",
         "(x**2 + y**2 + z**2 + R**2 - r**2) ** 2 - (x**2 + y**2) * (R**2 * 4)",
         decisions.test_O4_a_spindle_torus_is_crossed_twice, ("exact",)),
     "O5 nine two-hundredths": Mutant(
-        "surfaces/heart.py", "z**2 * y**3 * 9 / 80", "z**2 * y**3 * 9 / 200",
+        "z**2 * y**3 * 9 / 80", "z**2 * y**3 * 9 / 200",
         surfaces.test_O5_the_heart_s_constant_is_nine_eightieths),
     # sections 4.1 and 4.2
     "M1 a double root is a hit": Mutant(
-        "first_hit/quadratic.py", "real=discriminant > 0", "real=discriminant >= 0",
+        "real=discriminant > 0", "real=discriminant >= 0",
         decisions.test_M1_a_ray_that_only_touches_has_not_hit, ("exact",)),
     "M2 samples counted from the box": Mutant(
-        "first_hit/paper.py", "dr.floor(known / self.step_size) - 1", "known / self.step_size",
+        "dr.floor(known / self.step_size) - 1", "known / self.step_size",
         decisions.test_M2_samples_lie_at_multiples_of_the_step_counted_from_one),
     "M2 side read off f": Mutant(
-        "world.py", "ray.sides.test(member.index), order)",
+        "ray.sides.test(member.index), order)",
         "member.solid.inside_at(member.local(ray.o, ray.d), 0.0), order)",
         decisions.test_M2_the_side_at_the_start_is_told_and_not_read_off_f, ("exact",)),
     "M3 refraction keeps its side": Mutant(
-        "rays.py", "self.words[0] ^ (bits(1) << bit)", "self.words[0]",
+        "self.words[0] ^ (bits(1) << bit)", "self.words[0]",
         refraction.test_M3_a_ball_turns_rays_twice_by_the_same_angle, ("exact",)),
     "M3 the camera is always outside": Mutant(
-        "world.py", "is_inside(o, self.scene.camera.position)", "False",
+        "is_inside(o, self.scene.camera.position)", "False",
         decisions.test_M3_a_camera_ray_starts_with_the_sign_of_f_at_the_camera, ("exact",)),
     "M3 an epsilon": Mutant(
-        "wavefront.py", "Ray(pick(arrays.Vector, collision.point), d, sides)",
+        "Ray(pick(arrays.Vector, collision.point), d, sides)",
         "Ray(pick(arrays.Vector, collision.point) + d * 1e-4, d, sides)",
         decisions.test_M3_nothing_is_offset_by_an_epsilon, ("exact",)),
     "M4 the first in the scene's order": Mutant(
-        "world.py", "((c.order < order) | ((c.order == order) & (c.t < t)))", "(c.order < order)",
+        "((c.order < order) | ((c.order == order) & (c.t < t)))", "(c.order < order)",
         decisions.test_M4_of_several_changes_in_one_step_the_nearest_counts, ("sphere", (0, 1))),
     "M5 rays of twice the length": Mutant(
-        "world.py", "dr.select(usable, self.max_distance, 0)", "dr.select(usable, 2 * self.max_distance, 0)",
+        "dr.select(usable, self.max_distance, 0)", "dr.select(usable, 2 * self.max_distance, 0)",
         decisions.test_M5_every_ray_ends_at_max_distance_counted_anew, ("exact",)),
     "M5 shadow rays beyond the light": Mutant(
-        "shading.py", "distance, faces)", "2 * distance, faces)",
+        "distance, faces)", "2 * distance, faces)",
         shading.test_M5_a_shadow_ray_ends_at_its_light, ("exact",)),
     "M6 one Newton step": Mutant(
-        "first_hit/paper.py", "(iteration < self.max_iterations)", "(iteration < 1)",
+        "(iteration < self.max_iterations)", "(iteration < 1)",
         decisions.test_M6_newton_runs_as_written, (1e-12, 20)),
     "M6 stop on |g|": Mutant(
-        "first_hit/paper.py", "(dr.abs(dt) > self.tolerance * dr.maximum(1, dr.abs(t)))",
+        "(dr.abs(dt) > self.tolerance * dr.maximum(1, dr.abs(t)))",
         "(dr.abs(g) > self.tolerance)",
         decisions.test_M6_newton_s_stop_does_not_depend_on_the_scale_of_f, ("1e-9",)),
     "M6 Newton kept within its step": Mutant(
-        "first_hit/paper.py", "t = dr.select(finite, t - dt, t)",
+        "t = dr.select(finite, t - dt, t)",
         "t = dr.select(finite, dr.clip(t - dt, step_end - h, step_end), t)",
         decisions.test_M6_newton_runs_as_written, (1e-12, 20)),
     "M7 exact keeps silent": Mutant(
-        "first_hit/interval.py", "return _Scan(t, end, count, undecided, segments)",
+        "return _Scan(t, end, count, undecided, segments)",
         "return _Scan(t, end, count, Bool(False), segments)",
         decisions.test_M7_the_exact_method_says_that_it_cannot_tell, ("1 + sqrt(4 - z)",)),
     # section 4.3
     "N1 not turned": Mutant(
-        "shading.py", "normal = dr.select(cos1 < 0, -gradient, gradient)", "normal = gradient",
+        "normal = dr.select(cos1 < 0, -gradient, gradient)", "normal = gradient",
         decisions.test_N1_the_normal_is_turned_against_the_ray, ("negative", "exact")),
     "L1 the last light alone": Mutant(
-        "shading.py", "total += brightness *", "total = brightness *",
+        "total += brightness *", "total = brightness *",
         shading.test_L1_lights_add_up_by_channel_and_do_not_fall_off, ("exact",)),
     "L1 falling off": Mutant(
-        "shading.py", "cos * intensity, 0)", "cos * intensity / (distance * distance), 0)",
+        "cos * intensity, 0)", "cos * intensity / (distance * distance), 0)",
         shading.test_L1_lights_add_up_by_channel_and_do_not_fall_off, ("exact",)),
     "L2 negative light": Mutant(
-        "shading.py", "active & (cos > 0)", "active",
+        "active & (cos > 0)", "active",
         shading.test_L2_a_light_behind_the_surface_adds_nothing, ("exact",)),
     "L3 once for an object": Mutant(
-        "world.py", "_multiply_repeatedly(intensity, transparency, count)",
+        "_multiply_repeatedly(intensity, transparency, count)",
         "dr.select(count > 0, intensity * transparency, intensity)",
         shading.test_L3_light_is_weakened_at_every_crossing, ("exact",)),
     "4.3.2 reflected the other way": Mutant(
-        "secondary.py", "d + normal * (2 * cos1)", "d - normal * (2 * cos1)",
+        "d + normal * (2 * cos1)", "d - normal * (2 * cos1)",
         shading.test_reflection_obeys_the_mirror_law, ("exact",)),
     "E1 as printed": Mutant(
-        "secondary.py", "n2 / n1 if as_printed else n1 / n2", "n2 / n1", refraction.test_snell_s_law, (1, 1.5)),
+        "n2 / n1 if as_printed else n1 / n2", "n2 / n1", refraction.test_snell_s_law, (1, 1.5)),
     "R1 always entering": Mutant(
-        "shading.py", "n1, n2 = dr.select(leaving, n, 1), dr.select(leaving, 1, n)", "n1, n2 = 1, n",
+        "n1, n2 = dr.select(leaving, n, 1), dr.select(leaving, 1, n)", "n1, n2 = 1, n",
         refraction.test_a_slab_shifts_rays_and_does_not_turn_them, (1.5, "exact")),
     "R2 total at equality": Mutant(
-        "secondary.py", "sin1 > n2 / n1", "sin1 >= n2 / n1",
+        "total = sin1 > n2 / n1\n", "total = sin1 >= n2 / n1\n",
         refraction.test_R2_at_the_critical_angle_itself_it_refracts),
     "R3 total reflection for nothing": Mutant(
-        "shading.py", "dr.select(collision.total_reflection, T, 0)", "dr.select(collision.total_reflection, 0 * T, 0)",
+        "dr.select(collision.total_reflection, T, 0)", "dr.select(collision.total_reflection, 0 * T, 0)",
         refraction.test_R3_total_reflection_keeps_the_weight_of_refraction, ("exact",)),
     "R3 traced twice": Mutant(
-        "shading.py", "dr.select(met & ~refraction.total, T, 0)", "dr.select(met, T, 0)",
+        "dr.select(met & ~refraction.total, T, 0)", "dr.select(met, T, 0)",
         refraction.test_R3_total_reflection_keeps_the_weight_of_refraction, ("exact",)),
     "R4 not renormalised": Mutant(
-        "shading.py", "dr.normalize(reflect(ray.d, normal, cos1))", "reflect(ray.d, normal, cos1)",
+        "dr.normalize(reflect(ray.d, normal, cos1))", "reflect(ray.d, normal, cos1)",
         decisions.test_R4_directions_stay_of_unit_length_through_sixty_reflections, ("exact",)),
     "4.3.4 visible colour not dimmed by transparency": Mutant(
-        "shading.py", "(1.0 - R) * (1.0 - T), 0)", "(1.0 - R), 0)",
+        "(1.0 - R) * (1.0 - T), 0)", "(1.0 - R), 0)",
         shading.test_the_three_rays_are_mixed_with_the_printed_weights, (0.3, 0.6, "exact")),
     "D1 one generation less": Mutant(
-        "wavefront.py", "wave.generation == world.scene.tracing.max_depth",
+        "wave.generation == world.scene.tracing.max_depth",
         "wave.generation >= world.scene.tracing.max_depth - 1",
         shading.test_D1_a_mirror_box_is_a_geometric_series, (0.5, 7, "exact")),
     "D1 black beyond the last": Mutant(
-        "wavefront.py", "if any(world.scene.background)", "if False",
+        "if any(world.scene.background)", "if False",
         shading.test_D1_a_mirror_box_is_a_geometric_series, (0.5, 7, "exact")),
     "D2 black background": Mutant(
-        "shading.py", "dr.select(active, background, 0)", "0.0",
+        "dr.select(active, background, 0)", "0.0",
         shading.test_D2_rays_that_hit_nothing_see_the_background, ("exact",)),
 }
 
 
 def put_in_place(mutant: Mutant, folder: Path, monkeypatch) -> None:
-    """Replaces the functions and methods of the module by those of its mutant, wherever they have been imported."""
-    name = "reference_tracer." + mutant.file.removesuffix(".py").replace("/", ".")
-    original = sys.modules[name]
-    source = Path(original.__file__).read_text("utf-8")
-    assert source.count(mutant.right) == 1, f"{mutant.file} has no single {mutant.right!r}: give it a new place"
-    path = folder / Path(mutant.file).name
-    path.write_text(source.replace(mutant.right, mutant.wrong), "utf-8")
+    """Replaces the functions and methods of one module by those of its mutant, wherever they have been imported."""
+    package = Path(reference_tracer.__file__).parent
+    sources = {path: path.read_text("utf-8") for path in package.rglob("*.py")
+               if path.name != "recursive.py" and path.parent.name != "certify"}  # programs of their own
+    assert sum(source.count(mutant.right) for source in sources.values()) == 1, f"no single place for {mutant.right!r}"
+    found = next(path for path, source in sources.items() if mutant.right in source)
+    name = ".".join(["reference_tracer", *found.relative_to(package).with_suffix("").parts])
+    original, path = importlib.import_module(name), folder / found.name
+    path.write_text(sources[found].replace(mutant.right, mutant.wrong), "utf-8")
     spec = importlib.util.spec_from_file_location(name, path)
     wrong = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(wrong)

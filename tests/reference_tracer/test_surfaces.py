@@ -9,8 +9,9 @@ from closed_forms import into_frame
 from tracing_support import make_scene, thing, unit
 
 from reference_tracer.numbers import Dual, OutwardInterval
+from reference_tracer.placement import is_inside, rotation_matrix
 from reference_tracer.surfaces import Ellipsoid, Heart, Paraboloid, Plane, Sphere, Torus
-from reference_tracer.world import is_inside, rotation_matrix
+
 
 SURFACES = {
     "plane": Plane(a=1.0, b=-2.0, c=0.5), "sphere": Sphere(r=1.5), "ellipsoid": Ellipsoid(a=0.5, b=2.0, c=1.25),

@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference_tracer.backend import backend
+from reference_tracer.placement import is_inside
 from reference_tracer.rays import BITS, Ray, Sides
 from reference_tracer.render import camera_wave
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
 from reference_tracer.wavefront import trace
-from reference_tracer.world import World, is_inside
+from reference_tracer.world import World
 
 
 def thing(kind: str, center=(0, 0, 0), *, material: dict | None = None, rotation: dict | None = None,

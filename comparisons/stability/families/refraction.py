@@ -6,7 +6,7 @@ All surfaces are planes with the normal (1, 2, 2)/3, across no axis, so that no 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import drjit as dr
 import numpy as np
@@ -21,7 +21,7 @@ from ..law import Law
 from ..methods import METHODS, Method
 from ..outcome import CODE
 from ..rays import Draw
-from ..scenes import ModelFamily, Observed, camera_rays, judged, plane, scene, world_of
+from ..scenes import Case, ModelFamily, Observed, camera_rays, judged, plane, scene, world_of
 
 NORMAL = np.array([1.0, 2.0, 2.0]) / 3
 ACROSS = np.array([[2.0, 1.0, -2.0], [2.0, -2.0, 1.0]]) / 3  # an orthonormal frame together with NORMAL
@@ -29,18 +29,6 @@ GLASS, THIN = 1.5, 0.8
 SLABS, THICKNESS, GAP = 4, 0.1, 0.1
 PRINTED = replace(METHODS[0], name="refraction as printed", title="sin(phi2) = sin(phi1) n2/n1, as printed",
                   wrong_variant="a misprint (decision E1): it contradicts the law of refraction stated above it")
-
-
-@dataclass
-class Case:
-    """Rays through planes and what has to become of them."""
-
-    scene: Scene
-    o: np.ndarray
-    d: np.ndarray
-    total: np.ndarray | None = None  # bool, total reflection
-    direction: np.ndarray | None = None  # (n, 3), of the rays at the end
-    point: np.ndarray | None = None  # (n, 3), where they leave the last surface
 
 
 def _half_space(index: float, camera) -> Scene:
@@ -65,7 +53,7 @@ def _near_critical(p: float, draw: Draw, n1: float, n2: float) -> Case:
     index = float(draw.stored(n1 if leaving else n2))
     limit = (1 / rational(index) if leaving else rational(index)) ** 2
     total = np.array([_sine_squared(v) > limit for v in d])
-    return Case(_half_space(index, -NORMAL if leaving else NORMAL), o, d, total=total)
+    return Case(_half_space(index, -NORMAL if leaving else NORMAL), o, d, {"total": total})
 
 
 def _sine_squared(d):
@@ -81,10 +69,10 @@ def _observe_total(case: Case, method: Method, precision: int) -> Observed | Non
         return None
     collision = collide(world, camera_rays(world, case.o, case.d), world.arrays.Bool(True))
     dr.eval(collision)
-    total = collision.refracted_weight.numpy() == 0
+    total, truth = collision.refracted_weight.numpy() == 0, case.truth["total"]
     met = collision.hit.index.numpy() < world.object_count
     kinds = np.full(len(total), CODE["correct"])
-    for name, where in (("false", total & ~case.total), ("missed", ~total & case.total), ("missed", ~met),
+    for name, where in (("false", total & ~truth), ("missed", ~total & truth), ("missed", ~met),
                         ("undecided", collision.undecided.numpy())):
         kinds[np.broadcast_to(where, kinds.shape)] = CODE[name]
     return Observed(kinds, np.full(len(kinds), np.nan))
@@ -100,7 +88,7 @@ def _snell(d, n1: float, n2: float) -> np.ndarray:
 
 def _entering(sine, draw: Draw) -> Case:
     o, d = _towards_plane(draw, np.full(draw.count, sine), sign=-1.0)
-    return Case(_half_space(GLASS, NORMAL), o, d, direction=_snell(d, 1.0, GLASS))
+    return Case(_half_space(GLASS, NORMAL), o, d, {"direction": _snell(d, 1.0, GLASS)})
 
 
 def _observe_direction(case: Case, method: Method, precision: int) -> Observed | None:
@@ -116,9 +104,9 @@ def _observe_direction(case: Case, method: Method, precision: int) -> Observed |
         met = met & (collision.hit.index.numpy() < world.object_count)
         undecided = undecided | (collision.hit.undecided.numpy() | ~collision.smooth.numpy())
         ray = Ray(collision.point, collision.refracted, collision.refracted_sides)
-    error = np.abs(ray.d.numpy().T - case.direction).max(axis=1)
-    if case.point is not None:
-        error = np.maximum(error, np.abs(ray.o.numpy().T - case.point).max(axis=1))
+    error = np.abs(ray.d.numpy().T - case.truth["direction"]).max(axis=1)
+    if "point" in case.truth:
+        error = np.maximum(error, np.abs(ray.o.numpy().T - case.truth["point"]).max(axis=1))
     return judged(error, 1e-9 if precision == 64 else 1e-4, met=met, undecided=undecided)
 
 
@@ -139,7 +127,8 @@ def _slab_stack(p: float, draw: Draw) -> Case:
     shift = (height + (SLABS - 1) * GAP) / math.tan(p) + SLABS * THICKNESS * inner
     along = (d @ ACROSS.T) / sine @ ACROSS
     depth = height + SLABS * THICKNESS + (SLABS - 1) * GAP
-    return Case(scene(*objects, camera=NORMAL), o, d, direction=d, point=o + shift[:, None] * along - depth[:, None] * NORMAL)
+    point = o + shift[:, None] * along - depth[:, None] * NORMAL
+    return Case(scene(*objects, camera=NORMAL), o, d, {"direction": d, "point": point})
 
 
 FAMILIES = (

@@ -9,23 +9,24 @@ import numpy as np
 from ..exact import ball_crossings, rational
 from ..family import About, Shape, SurfaceFamily
 from ..law import Law
+from ..outcome import MOST_EVALUATIONS
 from ..rays import Draw, Rays
 
-STEP = 0.05
+STEP, START = 0.05, 3.0
 WIDEST_IMPACT = 0.7
 
 SHELL = Shape(lambda x, y, z, c: (x**2 + y**2 + z**2 - 1) ** 2 - c, degree=4)
 
 
-def _shell(p: float, draw: Draw) -> Rays:
+def _shell(p: float, draw: Draw, step: float = STEP) -> Rays:
     """|q| = p: two concentric spheres, of radius sqrt(1 + p) and sqrt(1 - p)."""
     p = float(draw.stored(p))
-    o, d = draw.lines(draw.uniform(0, WIDEST_IMPACT), 3.0, jitter=6 * STEP)
+    o, d = draw.lines(draw.uniform(0, WIDEST_IMPACT), START, jitter=6 * STEP)
     zeros, level = np.zeros(len(o)), rational(p)
     outer, inner = (ball_crossings(o, d, zeros, [1 + sign * level] * len(o)) for sign in (1, -1))
     # a tenth of the wall, unless the condition of the root, eps / |g'|, is worse
     accuracy = min(1e-3, max(p / 10, 1e-6 / p)) if draw.single else min(1e-6, max(p / 10, 1e-15 / p))
-    return Rays.of(o, d, first=outer[:, 0], others=np.column_stack([inner, outer[:, 1]]), accuracy=accuracy, step=STEP,
+    return Rays.of(o, d, first=outer[:, 0], others=np.column_stack([inner, outer[:, 1]]), accuracy=accuracy, step=step,
                    c=draw.stored(p * p))
 
 
@@ -39,6 +40,11 @@ def shell_rate(p: float) -> float | None:
     B = WIDEST_IMPACT
     widest = math.sqrt(1 + p - B * B) - math.sqrt(1 - p - B * B)
     return None if widest > STEP else 1 - (area(1 + p) - area(1 - p)) / (B * STEP)
+
+
+def fine_steps_rate(p: float) -> float | None:
+    """The wall lies 1.7 to 2.3 away, so 3.4/p to 4.6/p steps of p/2 are needed, and at most 40 evaluations more."""
+    return 1.0 if 3.4 / p > MOST_EVALUATIONS else 0.0 if 4.6 / p + 40 < MOST_EVALUATIONS else None
 
 
 def _never_zero(p: float, draw: Draw) -> Rays:
@@ -63,6 +69,16 @@ FAMILIES = (
               single=(0.03, 0.01, 1e-3, 1e-4)),
         SHELL, _shell, laws=(Law("paper", "1 - mean(w)/h with w the wall's length along the ray, where w < h",
                                  shell_rate),)),
+    SurfaceFamily(
+        About("fine-steps", "A thin shell, steps of half its thickness", "thickness of the wall",
+              (0.03, 0.01, 1e-3, 5e-4, 1e-4),
+              when="Steps are made as small as the finest detail, so that none is missed.",
+              why="The number of steps grows as 1/p, for every ray, whether it meets the detail or not.",
+              instead="Descartes' rule or intervals: their steps adapt to the ray."),
+        SHELL, lambda p, draw: _shell(p, draw, step=p / 2),
+        laws=(Law("paper", f"more than {MOST_EVALUATIONS} evaluations a ray as soon as 3.4/p is more", fine_steps_rate,
+                  kinds=("too slow",)),
+              Law("paper", "0: every wall is met by a sample, and by its outer half", lambda p: 0.0))),
     SurfaceFamily(
         About("never-zero", "Almost zero, everywhere on a sphere", "p in (x^2 + y^2 + z^2 - 1)^2 + p^2",
               (1e-1, 1e-2, 1e-4, 1e-6, 1e-7, 1e-8),

@@ -53,14 +53,14 @@ def _axis(p: float, draw: Draw) -> Rays:
 FAMILIES = (
     SurfaceFamily(
         About("heart-belt", "The heart's belt", "distance from the ellipse y = 0 on which grad f = 0",
-              (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 0.0),
+              (1e-1, 1e-2, 1e-4, 1e-6, 1e-8, 0.0),
               when="A ray meets the heart near y = 0.",
               why="f has a triple root there: Newton's iterations run out, and f is zero to all digits around it.",
               instead="The form A - y cbrt(B) of decision O5, which has the same zeros and a gradient."),
         HEART, _belt),
     SurfaceFamily(
         About("heart-tips", "The heart's two tips", "distance from the point (0, 1, 0) or (0, -1, 0)",
-              (1e-1, 1e-2, 1e-3, 1e-4, 1e-6),
+              (1e-1, 1e-2, 1e-4, 1e-6),
               when="A ray meets the heart near the dimple or the tip.",
               why="The surface is a cusp: sheets lie closer than a step, and no gradient exists at the point itself.",
               instead="Methods that keep their bracket; the point itself stays without a normal."),

@@ -1,0 +1,71 @@
+"""Methods that are broken on purpose: the suite has to find each, and to name it."""
+
+from __future__ import annotations
+
+import drjit as dr
+
+from comparisons.stability.methods import Method
+from reference_tracer.first_hit.exact import cheapest_exact
+from reference_tracer.first_hit.interval import IntervalMethod
+
+
+class SkipsRoots:
+    """An exact method that overlooks about one root in fifty: those of which some low bits say so."""
+
+    name = "skips roots"
+
+    def __init__(self, setting):
+        self.base = cheapest_exact(setting)
+
+    def first(self, solid, ray, inside, limit):
+        crossing = self.base.first(solid, ray, inside, limit)
+        scrambled = crossing.t * 2.0**20
+        crossing.found &= (scrambled - dr.floor(scrambled)) > 0.02
+        return crossing
+
+    def crossings(self, *rays):
+        return self.base.crossings(*rays)
+
+
+class WrongSide:
+    """An exact method that takes a ray which starts on a surface for one on the other side of it."""
+
+    name = "wrong side"
+
+    def __init__(self, setting):
+        self.base = cheapest_exact(setting)
+
+    def first(self, solid, ray, inside, limit):
+        return self.base.first(solid, ray, inside ^ self._starts_on(solid, ray), limit)
+
+    def crossings(self, solid, ray, inside, limit, only_first):
+        return self.base.crossings(solid, ray, inside ^ self._starts_on(solid, ray), limit, only_first)
+
+    @staticmethod
+    def _starts_on(solid, ray):
+        return dr.abs(solid.f(*ray.o)) < 1e-9
+
+
+class FreeNewton(IntervalMethod):
+    """Brackets that hold exactly one root, and then Newton that may leave them."""
+
+    name = "free newton"
+
+    @dr.syntax
+    def first(self, solid, ray, inside, limit):
+        crossing = IntervalMethod.first(self, solid, ray, inside, limit)
+        scan = self._scan(solid, ray, inside, limit, only_first=dr.mask_t(limit)(True))
+        t = 0.5 * (scan.t + scan.end)
+        k = dr.zeros(dr.uint32_array_t(type(limit)), dr.width(limit))
+        while k < 20:
+            g, slope = solid.slope_at(ray, t)
+            dt = g / slope
+            t = dr.select(dr.isfinite(dt), t - dt, t)
+            k += 1
+        crossing.t = t
+        return crossing
+
+
+SKIPS_ROOTS = Method("skips roots", "overlooks one root in fifty", SkipsRoots, claims=True)
+WRONG_SIDE = Method("wrong side", "flips the side of secondary rays", WrongSide, claims=True)
+FREE_NEWTON = Method("free newton", "leaves its bracket", FreeNewton, claims=True)
