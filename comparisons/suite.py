@@ -33,7 +33,7 @@ class Options:
 
     folder: Path
     renderers: tuple[str, ...] = COMPARED
-    largest: int = 400  # pixels of the longer side; larger scenes are compared at this size
+    largest: int = 640  # pixels of the longer side; larger scenes are compared at this size
     limit: float = SECONDS_PER_RUN
     jobs: int = 2  # renderers at work at the same time
     with_studies: bool = True

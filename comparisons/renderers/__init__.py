@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from importlib import import_module
+from inspect import signature
 
 from reference_tracer.errors import InputError
 from reference_tracer.render import Picture
@@ -45,4 +46,8 @@ def render(name: str, scene: Scene, settings: dict | None = None) -> Picture:
     """The picture that renderer `name` makes of `scene`. Raises InputError, and UnsupportedError with a reason."""
     renderer = find(name)
     module = import_module(f"{__name__}.{renderer.module}")
-    return module.render(scene, **{**renderer.settings, **(settings or {})})
+    chosen = {**renderer.settings, **(settings or {})}
+    known = set(signature(module.render).parameters) - {"scene"}
+    if unknown := sorted(set(chosen) - known):
+        raise InputError(f"{name}: has no setting {unknown[0]!r}; it has {', '.join(sorted(known))}")
+    return module.render(scene, **chosen)

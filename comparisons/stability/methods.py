@@ -1,4 +1,4 @@
-"""The methods under test, by name: those of `reference_tracer.first_hit`, and wrong ways of starting a secondary ray."""
+"""The methods under test, by name: those of `reference_tracer.first_hit`, and wrong starts of secondary rays."""
 
 from __future__ import annotations
 

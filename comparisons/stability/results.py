@@ -22,7 +22,8 @@ from .outcome import CODE
 VERSION = 1
 FILE = "stability.json"
 
-Kind = Literal["correct", "missed", "false", "wrong root", "diverged", "non-finite", "wrong value", "undecided", "too slow"]
+Kind = Literal["correct", "missed", "false", "wrong root", "diverged", "non-finite", "wrong value", "undecided",
+               "too slow"]
 assert set(CODE) == set(Kind.__args__)
 
 
@@ -115,8 +116,8 @@ class Finding(Record):
     rates: list[float] = Field(description="the share of rays at each of `values`: of wrong answers, or as measured")
     kinds: list[Kind] = Field(description="what went wrong, the most frequent first; of a law: what it counts")
     sentence: str
-    example: dict | None = Field(None, description="a wrong ray: origin o, direction d, side, limit, the numbers f takes, "
-                                                   "the exact distance and the one reported")
+    example: dict | None = Field(None, description="a wrong ray: origin o, direction d, side, limit, the numbers f "
+                                                   "takes, the exact distance and the one reported")
 
 
 class Stability(Record):
@@ -159,7 +160,8 @@ def read(folder: str | Path) -> Stability:
     except (ValueError, AttributeError):
         raise InputError(f"{path}: is not a stability document; make it again with 'raytruth stability'") from None
     if version != VERSION:
-        raise InputError(f"{path}: has version {version}, this raytruth reads {VERSION}; run 'raytruth stability' again")
+        raise InputError(f"{path}: has version {version}, this raytruth reads {VERSION}; "
+                         "make it again with 'raytruth stability'")
     try:
         return Stability.model_validate_json(text)
     except ValidationError as error:

@@ -31,13 +31,9 @@ def plane(normal, center, **material) -> dict:
 
 
 def scene(*objects: dict, camera, lights=(), **tracing) -> Scene:
-    """A scene through the parser, as a user's file comes. `camera` is where the rays start: it fixes their sides.
-
-    A scene that names no light gets a black one.
-    """
-    shining = [{"position": list(map(float, position))} for position in lights]
+    """A scene through the parser, as a user's file comes. `camera` is where the rays start: it fixes their sides."""
     document = {"camera": {"position": [float(v) for v in camera]}, "objects": list(objects),
-                "lights": shining or [{"position": [0, 0, 0], "brightness": [0, 0, 0]}],
+                "lights": [{"position": list(map(float, position))} for position in lights],
                 "tracing": {"step_size": 0.05, **tracing}}
     return parse_scene(json.dumps(document).encode(), "stability case")
 

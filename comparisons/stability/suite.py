@@ -21,7 +21,8 @@ FEWEST_RAYS, MOST_RAYS = 50, 100_000  # fewer: the bands of the laws say nothing
 Outcomes = dict[tuple[Method, int], list[Outcome | None]]
 
 
-def run(families: Sequence[Family], methods: Sequence[Method] = METHODS, rays: int = RAYS, quiet: bool = True) -> Stability:
+def run(families: Sequence[Family], methods: Sequence[Method] = METHODS, rays: int = RAYS,
+        quiet: bool = True) -> Stability:
     """The document of `families` under `methods`, with `rays` random rays at every value of a difficulty."""
     start = time.monotonic()
     progress = Progress(len(families), quiet)
@@ -36,7 +37,8 @@ def run(families: Sequence[Family], methods: Sequence[Method] = METHODS, rays: i
     used = {m.name: m for family in families for m in (*methods, *family.variants)}
     return Stability(
         created=datetime.now(UTC).isoformat(timespec="seconds"), seconds=round(time.monotonic() - start, 3),
-        machine=machine(), seed=SEED, rays=rays, confidence=CONFIDENCE, kinds=KINDS, families=records, findings=findings,
+        machine=machine(), seed=SEED, rays=rays, confidence=CONFIDENCE, kinds=KINDS, families=records,
+        findings=findings,
         methods=[MethodRecord(name=m.name, title=m.title, claims=m.claims, wrong_variant=m.wrong_variant)
                  for m in used.values()])
 
@@ -108,11 +110,12 @@ def _broken_laws(record: FamilyRecord) -> list[Finding]:
     for law in record.laws:
         off = [p for p in law.points if not p.within]
         if off:
-            told = "; ".join(f"{p.measured:.1%} in place of {p.expected:.1%} ({p.low:.1%} to {p.high:.1%} in this sample) at "
-                             f"{p.value:g}" for p in off)
-            findings.append(Finding(what="law broken", family=record.id, method=law.method, values=[p.value for p in off],
-                                    rates=[p.measured for p in off], kinds=law.kinds,
-                                    sentence=f"{law.method} does not follow its law: {told}"))
+            told = "; ".join(f"{p.measured:.1%} at {p.value:g} in place of {p.expected:.1%} "
+                             f"({p.low:.1%} to {p.high:.1%} in this sample)" for p in off)
+            findings.append(Finding(
+                what="law broken", family=record.id, method=law.method, values=[p.value for p in off],
+                rates=[p.measured for p in off], kinds=law.kinds,
+                sentence=f"{law.method} does not follow its law: {told}"))
     return findings
 
 

@@ -20,8 +20,8 @@ def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
     parser.add_argument("--renderers", metavar="A,B", help="compare only these (default: all)")
     parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
-    parser.add_argument("--largest", metavar="PIXELS", type=int, default=400,
-                        help="scenes with a longer side are compared at this size (default 400)")
+    parser.add_argument("--largest", metavar="PIXELS", type=int, default=640,
+                        help="scenes with a longer side are compared at this size (default 640)")
     parser.add_argument("--limit", metavar="SECONDS", type=float, default=300.0, help="time limit of one run (default 300)")
     parser.add_argument("--jobs", metavar="N", type=int, default=2, help="renderers at work at a time (default 2)")
     parser.add_argument("--no-studies", action="store_true", help="leave out the sweeps of resolution and step size")

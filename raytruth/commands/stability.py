@@ -17,7 +17,8 @@ from pathlib import Path
 
 
 def add_arguments(parser):
-    parser.add_argument("--family", action="append", default=[], metavar="NAME", help="run this family only; repeatable")
+    parser.add_argument("--family", action="append", default=[], metavar="NAME",
+                        help="run this family only (repeatable)")
     parser.add_argument("--rays", type=int, default=400, metavar="N", help="rays at every value of p (default 400)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for stability.json (default: results, if every family is run)")

@@ -35,7 +35,8 @@ def test_a_broken_method_is_found_and_named(method, names, kind):
 def test_one_root_in_fifty_is_enough_to_be_found():
     """2 % of 400 rays are 8; none of them escapes, and nothing else is blamed on the method."""
     document, findings = _findings(["camera-distance"], [EXACT, SKIPS_ROOTS])
-    series = next(s for s in document.family("camera-distance").series if s.method == "skips roots" and s.precision == 64)
+    every = document.family("camera-distance").series
+    series = next(s for s in every if (s.method, s.precision) == ("skips roots", 64))
     assert all(set(p.counts) <= {"correct", "missed"} for p in series.points)
     assert 0.002 < sum(findings[0].rates) / len(findings[0].rates) < 0.06
 

@@ -60,7 +60,8 @@ def thin_shell(p, random):
 
 def steep(p, random):
     k, root = p / H, 1.37 + random.uniform(0, H, COUNT)
-    return (lambda t: ((t - root) / np.sqrt(1 + (k * (t - root)) ** 2), (1 + (k * (t - root)) ** 2) ** -1.5)), root, True, 3.0
+    square = lambda t: 1 + (k * (t - root)) ** 2
+    return (lambda t: ((t - root) / np.sqrt(square(t)), square(t) ** -1.5)), root, True, 3.0
 
 
 def multiple_root(m, random):
@@ -92,7 +93,7 @@ def test_the_law_is_what_a_simulation_measures(name):
     spoken = 0
     for p in family.about.values:
         rate = law.rate(p)
-        if rate is None or p in (1e-10, 1e-12, 1e-6, 1e-8):  # hopeless for a simulation in fp64, and 1 by the law
+        if rate is None or 0.9995 < rate < 1:  # too rare a success for 40 000 rays to see
             continue
         g, first, inside, limit = SIMULATIONS[name](p, np.random.default_rng(3))
         found, t = literal(g, np.full(COUNT, inside), limit)

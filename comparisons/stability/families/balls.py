@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from reference_tracer.world import BOX_MARGIN
+from reference_tracer.families import BOX_MARGIN
 
 from ..exact import ball_crossings, rational
 from ..family import About, Shape, SurfaceFamily
@@ -21,7 +21,8 @@ def _box(center_x, r, scale):
     return (center_x - r, -r, -r), (center_x + r, r, r)
 
 
-BALL = Shape(lambda x, y, z, center_x, r, scale: ((x - center_x) ** 2 + y**2 + z**2 - r * r) * scale, degree=2, box=_box)
+BALL = Shape(lambda x, y, z, center_x, r, scale: ((x - center_x) ** 2 + y**2 + z**2 - r * r) * scale, degree=2,
+             box=_box)
 
 
 def _rays(draw: Draw, impact, *, distance=3.0, r=1.0, center_x=0.0, scale=1.0, step=STEP, **more) -> Rays:
@@ -59,7 +60,7 @@ def small_ball_rate(r: float) -> float:
 FAMILIES = (
     SurfaceFamily(
         About("grazing", "Grazing a ball", "1 - impact parameter",
-              (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16),
+              (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16),
               when="A ray cuts the ball in a chord that is shorter than the step.",
               why="Both crossings fall between two samples, which then have the same sign. Below 1e-14 the rounding of "
                   "f is as large as what it has to resolve.",
@@ -107,7 +108,8 @@ FAMILIES = (
         BALL, lambda p, draw: _rays(draw, _anywhere(draw, p), r=p, distance=3 * p, step=STEP * p,
                                     accuracy=(1e-3 if draw.single else 1e-6) * p)),
     SurfaceFamily(
-        About("scaled-f", "f multiplied by a constant", "factor", (1.0, 1e6, 1e-6, 1e12, 1e-12, 1e100, 1e-100, 1e200, 1e-200),
+        About("scaled-f", "f multiplied by a constant", "factor",
+              (1.0, 1e6, 1e-6, 1e12, 1e-12, 1e100, 1e-100, 1e200, 1e-200),
               when="Products of coefficients overflow or underflow.",
               why="f and 1e200 f have the same zeros, but squares of the coefficients of the latter are infinite.",
               instead="Methods that use only signs and quotients of f, or coefficients divided by the largest.",

@@ -1,4 +1,4 @@
-"""Families of mirrors facing each other: does an error grow from bounce to bounce, and what does the depth limit cost?"""
+"""Families of mirrors facing each other: do errors grow from bounce to bounce, and what does a depth limit cost?"""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def _mirror_box(reflections: float, draw: Draw) -> Case:
     bounces = int(reflections) + 1
     # the first odd number ahead along each axis, then every second one, or their mirror images
     first = (1 - np.sign(d) * o) / np.abs(d)
-    t = np.sort((first[:, :, None] + 2 * np.arange(bounces) / np.abs(d)[:, :, None]).reshape(draw.count, -1))[:, :bounces]
+    each = first[:, :, None] + 2 * np.arange(bounces) / np.abs(d)[:, :, None]
+    t = np.sort(each.reshape(draw.count, -1))[:, :bounces]
     unfolded = o[:, None, :] + t[:, :, None] * d[:, None, :]
     point = np.abs((unfolded - 1) % 4 - 2) - 1
     axis = np.argmax(np.abs(point), axis=2)
@@ -88,7 +89,8 @@ def _observe(case: Case, method: Method, precision: int, accuracy: float) -> Obs
 
 FAMILIES = (
     ModelFamily(
-        About("mirror-box", "A box of mirrors", "number of reflections", (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, float(MOST_REFLECTIONS)),
+        About("mirror-box", "A box of mirrors", "number of reflections",
+              (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, float(MOST_REFLECTIONS)),
               when="A ray is reflected many times.",
               why="Every bounce adds rounding; a crossing missed once, or a side lost once, spoils all that follows.",
               instead="Inherited sides: between plane mirrors errors then grow no faster than the path."),
@@ -101,4 +103,5 @@ FAMILIES = (
               why="R^(D + 1) of the light is missing; it is visible where that exceeds half an 8-bit level.",
               instead="A max_depth of log(1/512) / log(R) or more."),
         _facing_mirrors, partial(_observe, accuracy=VISIBLE),
-        laws=tuple(Law(m.name, "share of pixels with R^3 c > 1/512, c uniform in [1/2, 1]", depth_rate) for m in METHODS)))
+        laws=tuple(Law(m.name, "share of pixels with R^3 c > 1/512, c uniform in [1/2, 1]", depth_rate)
+                   for m in METHODS)))

@@ -44,7 +44,7 @@ def _towards_plane(draw: Draw, sine, sign: float):
     return draw.stored(draw.uniform(-1, 1, (2,)) @ ACROSS - d), draw.stored(d)
 
 
-# --- total reflection --------------------------------------------------------------------------------------------------
+# --- total reflection ------------------------------------------------------------------------------------------------
 def _near_critical(p: float, draw: Draw, n1: float, n2: float) -> Case:
     """Sines (1 +- p u) n2/n1, u uniform in [1/2, 1]; which of them exceed n2/n1 is decided by rational arithmetic."""
     sine = n2 / n1 * (1 + p * draw.random.choice([-1.0, 1.0], draw.count) * draw.uniform(0.5, 1))
@@ -78,7 +78,7 @@ def _observe_total(case: Case, method: Method, precision: int) -> Observed | Non
     return Observed(kinds, np.full(len(kinds), np.nan))
 
 
-# --- directions --------------------------------------------------------------------------------------------------------
+# --- directions ------------------------------------------------------------------------------------------------------
 def _snell(d, n1: float, n2: float) -> np.ndarray:
     """Snell's law in components: the part of d along the surface is multiplied by n1/n2, the rest follows."""
     d = d / np.linalg.norm(d, axis=1, keepdims=True)
@@ -136,8 +136,8 @@ FAMILIES = (
         About("critical-angle", "Leaving glass at the critical angle", "relative distance of the sine from n2/n1 = 2/3",
               (1e-2, 1e-6, 1e-10, 1e-12, 1e-14, 1e-15, 1e-16),
               when="The sine of the angle agrees with the critical one to almost all digits.",
-              why="sin = sqrt(1 - cos^2) carries a rounding error of 1e-16 (fp64) or 1e-7 (fp32); on one side of it a ray "
-                  "turns back, on the other it goes on.",
+              why="sin = sqrt(1 - cos^2) carries a rounding error of 1e-16 (fp64) or 1e-7 (fp32); on one side of it a "
+                  "ray turns back, on the other it goes on.",
               instead="Nothing: such pixels are ill-conditioned; a comparison has to excuse them.",
               single=(1e-2, 1e-4, 1e-5, 1e-6, 1e-7), answerable=False),
         lambda p, draw: _near_critical(p, draw, GLASS, 1.0), _observe_total,
@@ -152,7 +152,8 @@ FAMILIES = (
         lambda p, draw: _near_critical(p, draw, 1.0, THIN), _observe_total,
         laws=tuple(Law(m.name, "0 down to p = 1e-14", lambda p: 0.0 if p >= 1e-14 else None) for m in METHODS)),
     ModelFamily(
-        About("normal-incidence", "Straight into glass", "angle of incidence, radians", (1e-1, 1e-2, 1e-4, 1e-8, 1e-12, 0.0),
+        About("normal-incidence", "Straight into glass", "angle of incidence, radians",
+              (1e-1, 1e-2, 1e-4, 1e-8, 1e-12, 0.0),
               when="A ray runs along the normal.",
               why="cos(phi1) may round to more than 1; sqrt(1 - cos^2) is then not a number unless it is held at 0.",
               instead="Clamp: the direction is then exact to rounding, and unchanged at p = 0.",
@@ -163,7 +164,7 @@ FAMILIES = (
         About("printed-refraction", "The printed formula for refraction", "angle of incidence, degrees",
               (0.1, 5.0, 20.0, 30.0, 40.0, 41.5, 42.0, 60.0, 80.0),
               when="sin(phi2) = sin(phi1) n2/n1 is used as printed in section 4.3.3.2.",
-              why="It contradicts the law of refraction; on entry into n = 1.5 the sine exceeds 1 from 41.8 degrees on.",
+              why="It contradicts the law of refraction; on entry into n = 1.5 the sine exceeds 1 from 41.8 degrees.",
               instead="sin(phi2) = sin(phi1) n1/n2 (decision E1)."),
         lambda p, draw: _entering(math.sin(math.radians(p)), draw), _observe_direction, variants=(PRINTED,),
         laws=(Law("paper", "0", lambda p: 0.0),
@@ -176,4 +177,5 @@ FAMILIES = (
               when="A ray passes eight faces at a grazing angle.",
               why="Errors of direction grow by 1/sin(p) at every exit; the side of every object has to be inherited.",
               instead="Inherited sides (decision M3) and directions normalised at every bounce (R4)."),
-        _slab_stack, _observe_direction, laws=(Law("paper", "0: parallel faces leave the direction as it was", lambda p: 0.0),)))
+        _slab_stack, _observe_direction,
+        laws=(Law("paper", "0: parallel faces leave the direction as it was", lambda p: 0.0),)))

@@ -75,7 +75,8 @@ FAMILIES = (
               why="Newton's error only shrinks by 1 - 1/m an iteration, so its iterations run out; and f itself is "
                   "zero to all digits within 1e-16^(1/m) of the root.",
               instead="A regular form of f, such as the heart's cube root; bisection guided by signs."),
-        POWER, _multiple, laws=(Law("paper", "1 - 1e-6 / ((1 - 1/m)^20 h/2): what 20 iterations leave", multiple_rate),)),
+        POWER, _multiple,
+        laws=(Law("paper", "1 - 1e-6 / ((1 - 1/m)^20 h/2): what 20 iterations leave", multiple_rate),)),
     SurfaceFamily(
         About("horizon", "The plane's horizon", "elevation below the horizon, radians",
               (0.5, 0.1, 0.02, 0.012, 0.0105, 0.01, 0.009, 1e-3, 1e-5, 1e-7),

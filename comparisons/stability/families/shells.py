@@ -64,7 +64,7 @@ FAMILIES = (
         About("thin-shell", "A thin shell", "p in |x^2 + y^2 + z^2 - 1| = p, the thickness of the wall",
               (0.03, 0.01, 1e-3, 1e-4, 1e-6, 1e-8),
               when="A wall is thinner than the step.",
-              why="The samples before and behind the wall have the same sign; the far side of the shell is seen instead.",
+              why="The samples before and behind the wall have the same sign; the far side of the shell is seen.",
               instead="Descartes' rule or intervals; steps below the thickness are slow.",
               single=(0.03, 0.01, 1e-3, 1e-4)),
         SHELL, _shell, laws=(Law("paper", "1 - mean(w)/h with w the wall's length along the ray, where w < h",

@@ -1,0 +1,122 @@
+"""A gate that cannot be fooled: small faults that whole-image scores forgive must fail it, rounding must pass it."""
+
+import numpy as np
+import pytest
+
+from comparisons import metrics
+from comparisons.gate import MESH, NATIVE, judge
+from comparisons.metrics import GRAZING
+
+SIDE = 64
+
+
+@pytest.fixture
+def planes():
+    """A unit sphere at distance 4 before the camera, lit from the camera: depth and colour in closed form."""
+    y, x = np.mgrid[:SIDE, :SIDE]
+    d = np.stack([(x + 0.5) / SIDE - 0.5, 0.5 - (y + 0.5) / SIDE, np.ones((SIDE, SIDE))], axis=-1)
+    d /= np.linalg.norm(d, axis=-1, keepdims=True)
+    center = np.array([0.0, 0.0, 4.0])
+    b = d @ center  # t = b - sqrt(b^2 - (|c|^2 - r^2))
+    discriminant = b**2 - 15.0
+    hit = discriminant > 0
+    t = np.where(hit, b - np.sqrt(np.where(hit, discriminant, 0)), np.inf)
+    position = np.where(hit[..., None], d * np.where(hit, t, 0)[..., None], np.nan)
+    normal = position - center
+    cosine = -np.sum(d * normal, axis=-1)
+    return {"color": np.where(hit, cosine, 0)[..., None] * np.array([1.0, 0.5, 0.25]), "t": t, "position": position,
+            "normal": normal, "index": np.where(hit, 0, -1), "status": hit.astype(np.uint8), "camera": np.zeros(3)}
+
+
+def changed(planes, **changes):
+    return {**{name: plane.copy() for name, plane in planes.items()}, **changes}
+
+
+def verdict(reference, test, tolerance=NATIVE):
+    return judge({**metrics.geometry(reference, test), **metrics.picture(reference, test)}, tolerance)
+
+
+def broken(reference, test, tolerance=NATIVE):
+    return {gate.name for gate in verdict(reference, test, tolerance)[2] if not gate.holds}
+
+
+def test_a_picture_agrees_with_itself(planes):
+    assert verdict(planes, changed(planes))[0] == "agrees"
+
+
+def test_rounding_to_single_precision_agrees(planes):
+    rounded = {k: v.astype(np.float32).astype(float) if v.dtype == float else v for k, v in planes.items()}
+    assert verdict(planes, rounded)[0] == "agrees"
+
+
+def test_a_hole_of_nine_pixels_differs(planes):
+    # mean scores forgive it: 9 of 4096 pixels
+    hole = changed(planes)
+    hole["index"][31:34, 31:34] = -1
+    hole["t"][31:34, 31:34] = np.inf
+    hole["color"][31:34, 31:34] = 0
+    assert broken(planes, hole, MESH) == {"interior mismatches"}
+
+
+def test_red_two_percent_brighter_differs(planes):
+    assert "color p99" in broken(planes, changed(planes, color=planes["color"] * [1.02, 1, 1]), MESH)
+
+
+def test_a_shift_by_one_pixel_differs(planes):
+    shifted = {k: np.roll(v, 1, axis=1) if v.ndim > 1 else v for k, v in planes.items()}
+    assert {"color p99", "depth p99"} <= broken(planes, shifted, MESH)
+
+
+@pytest.mark.parametrize("poison", [np.nan, np.inf, -np.inf])
+def test_one_value_that_is_not_finite_differs(planes, poison):
+    color = planes["color"].copy()
+    color[5, 5, 1] = poison  # in the black background
+    assert "not finite" in broken(planes, changed(planes, color=color), MESH)
+
+
+def test_another_object_at_the_same_depth_differs(planes):
+    index = planes["index"].copy()
+    index[index == 0] = 1
+    assert "interior mismatches" in broken(planes, changed(planes, index=index), MESH)
+
+
+def test_a_difference_below_single_precision_is_seen():
+    # two buffers 1e-12 apart must not count as equal
+    a, b = np.zeros((2, 2, 3)), np.full((2, 2, 3), 1e-12)
+    assert np.all(metrics.pixel_error(a, b) == 1e-12)
+
+
+def test_interior_is_what_its_name_says(planes):
+    inner = metrics.interior(planes)
+    hit = planes["index"] == 0
+    view = planes["position"] / np.linalg.norm(planes["position"], axis=-1, keepdims=True)
+    cosine = np.abs(np.sum(view * planes["normal"], axis=-1))
+    for row, col in np.argwhere(inner):
+        around = np.s_[max(row - 1, 0):row + 2, max(col - 1, 0):col + 2]
+        assert hit[around].all() or not hit[around].any()
+        assert not hit[row, col] or (cosine[around] > GRAZING).all()
+    assert 0.5 < inner.mean() < 1
+
+
+def test_worst_pixels_come_largest_first_and_nan_before_all():
+    error = np.array([[0.0, 0.25, np.nan], [0.5, 0.0, 0.125]])
+    assert [(w["row"], w["col"]) for w in metrics.worst_pixels(error)] == [(0, 2), (1, 0), (0, 1), (1, 2)]
+
+
+def test_scores_of_known_pictures():
+    # a constant difference d on all channels: MSE = d^2, PSNR = -20 log10 d
+    a = np.full((16, 16, 3), 0.5)
+    measured = metrics.picture({"color": a}, {"color": a + 0.1})
+    assert measured["MSE"] == pytest.approx(0.01)
+    assert measured["PSNR"] == pytest.approx(20.0)
+    assert measured["SSIM"] < 1 and measured["FLIP mean"] > 0
+    same = metrics.picture({"color": a}, {"color": a})
+    assert same["SSIM"] == pytest.approx(1) and same["FLIP mean"] == 0 and same["PSNR"] is None
+
+
+def test_normals_are_compared_by_angle(planes):
+    angle = np.radians(1.0)
+    turn = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
+    measured = metrics.geometry(planes, changed(planes, normal=planes["normal"] @ turn.T))
+    # a turn by 1 degree moves normals by at most 1 degree, by exactly that where they are square to the axis
+    assert measured["normal max degrees"] == pytest.approx(1.0, rel=1e-3)
