@@ -135,6 +135,8 @@ class Series:
 
     def __truediv__(self, other):
         other = self._of(other)
+        if other.s[0].contains(0) or not other.s[0].is_finite():
+            return self._undefined()
         return Series(self.s / other.s, self.nonnegative and other.nonnegative)
 
     def __rtruediv__(self, other):
@@ -149,6 +151,10 @@ class Series:
         return Series(power, n % 2 == 0 or self.nonnegative)
 
     # --- elementary functions --------------------------------------------------------------------------------------
+    @staticmethod
+    def _undefined() -> Series:
+        return Series(arb_series([arb.nan()] * ORDER))
+
     @staticmethod
     def _cusp(low: arb, high: arb, nonnegative: bool) -> Series:
         """A value between low and high without derivatives."""
@@ -166,7 +172,7 @@ class Series:
         if value < 0:
             return -((-self).cbrt())
         if not value.is_finite():
-            return Series(arb_series([arb.nan()] * ORDER))
+            return self._undefined()
         low = arb(0) if self.nonnegative else value.lower()
         root = lambda v: v.root(3) if v > 0 else -((-v).root(3)) if v < 0 else arb(0)
         return self._cusp(root(low), root(value.upper()), self.nonnegative)

@@ -110,8 +110,10 @@ def test_a_tracer_that_forgets_to_flip_sides_is_found(monkeypatch):
 def test_distances_beyond_their_enclosure_are_found(monkeypatch):
     breaking(monkeypatch, "broken", IsOff)
     certificate = certify(mirror_and_glass(max_depth=0), "broken", sample=50, paths=4)
-    assert {f[:2] for f in _faults(certificate)} == {("wrong distance", "primary"),
-                                                     ("wrong by exact decision", "primary")}
+    faults = {f[:2] for f in _faults(certificate)}
+    assert {("wrong distance", "primary"), ("wrong by exact decision", "primary")} <= faults
+    # shadow rays start a millionth inside: off the surface, on the wrong side of it
+    assert faults & {("wrong side", "shadow"), ("wrong by exact decision", "shadow")}
     assert certificate.kinds["primary"].wrong == certificate.kinds["primary"].hits
     assert certificate.largest_gap == pytest.approx(1e-6, rel=1e-6)
 
@@ -124,8 +126,8 @@ def test_a_proof_that_claims_too_much_is_contradicted(monkeypatch):
 
 
 def test_a_box_that_cuts_its_surface_is_found():
-    """Both methods believe a formula's box; python-flint does not look at it."""
-    box = {"low": [-0.8, -1.1, -1.1], "high": [0.8, 1.1, 1.1]}
+    """The proofs believe a formula's box; python-flint does not look at it."""
+    box = {"low": [-0.5, -1.1, -1.1], "high": [0.5, 1.1, 1.1]}
     scene = make_scene(thing("expression", (0, 0, 3), {}, "cut ball", formula="x**2 + y**2 + z**2 - 1", bounds=box))
     certificate = certify(scene, sample=400, paths=0)
     assert ("proof contradicted", "primary", "cut ball") in _faults(certificate)
@@ -138,15 +140,13 @@ def test_coinciding_surfaces_are_undecided_and_say_so():
     primary = certificate.kinds["primary"]
     assert primary.undecided > 30 and primary.undecided + primary.misses == primary.rays and certificate.passed
     assert {f.fault for f in certificate.undecided} == {"two surfaces at one distance"}
-    assert "not proven" in certificate.paths.not_tried
 
 
 def test_a_touching_ray_is_settled_by_exact_arithmetic():
-    """Camera rays in the plane y = 0 touch the plane-parallel top of a slab's rounded edge exactly: a ball of radius 3
-    whose lowest point is (0, 0, 3)... seen along z, the middle row of an odd picture has y = 0."""
+    """The ball of radius 3 about (0, 3, 3) touches the camera's axis, which is the central ray of an odd picture."""
     scene = make_scene(thing("sphere", (0, 3, 3), {}, "ball", r=3), size=(9, 9), fov=20, lights=())
     certificate = certify(scene, sample=81, paths=0)
-    assert certificate.audit.touching == 1  # the central ray; its neighbours pass below or cross
+    assert certificate.audit.touching == 1  # its neighbours pass below or cross
     assert certificate.passed and certificate.undecided_rays <= 1
 
 

@@ -7,7 +7,7 @@ from certify_support import make_scene, thing
 from flint import arb, ctx, fmpq
 
 from reference_tracer.certify.precise import Decision, PreciseTracer
-from reference_tracer.certify.records import PRIMARY, REFLECTION, REFRACTION
+from reference_tracer.certify.records import NOTHING, PRIMARY, REFLECTION, REFRACTION
 
 getcontext().prec = 70
 
@@ -54,7 +54,8 @@ def test_light_through_a_ball_of_glass_loses_its_transparency_twice():
         scene = make_scene(thing("sphere", (0, 0, 3), glass, r=1), size=(3, 3), fov=40, background=(1, 0.5, 0.25))
         path = PreciseTracer(scene).pixel(row, 1)
         assert [_equal(c, fmpq(9, 16) * fmpq(b)) for c, b in zip(path.color, (1, fmpq(1, 2), fmpq(1, 4)))] == [True] * 3
-        assert path.decisions[Decision(1, REFRACTION, 0, (None,))] == 1
+        assert sorted((d.generation, d.kind, d.index) for d in path.decisions) == [
+            (0, PRIMARY, 0), (1, REFRACTION, 0), (2, REFRACTION, NOTHING)]
 
 
 def test_a_shadow_through_glass_keeps_the_square_of_its_transparency():

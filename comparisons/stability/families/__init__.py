@@ -5,11 +5,11 @@ from __future__ import annotations
 from reference_tracer.errors import InputError
 
 from ..family import Family
-from . import balls, formulas, mirrors, refraction, root_set, roots, secondary, shells, singular
+from . import balls, formulas, mirrors, quadrics, refraction, root_set, roots, secondary, shells, singular
 
 FAMILIES: tuple[Family, ...] = (
-    *balls.FAMILIES, *shells.FAMILIES, *roots.FAMILIES, *singular.FAMILIES, *formulas.FAMILIES, *root_set.FAMILIES,
-    *secondary.FAMILIES, *refraction.FAMILIES, *mirrors.FAMILIES)
+    *balls.FAMILIES, *quadrics.FAMILIES, *shells.FAMILIES, *roots.FAMILIES, *singular.FAMILIES, *formulas.FAMILIES,
+    *root_set.FAMILIES, *secondary.FAMILIES, *refraction.FAMILIES, *mirrors.FAMILIES)
 
 
 def find(names: list[str]) -> list[Family]:
