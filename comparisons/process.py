@@ -11,7 +11,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 
 
 LONGEST_ANSWER = 1 << 20  # bytes
@@ -25,16 +24,16 @@ class Worker:
         self._process: subprocess.Popen | None = None
         self._errors = None
 
-    def ask(self, request: dict, limit: float, waiting: Callable[[], None] = lambda: None) -> dict:
+    def ask(self, request: dict, limit: float) -> dict:
         """The worker's answer; or {"state": "crashed" | "timeout" | "malformed", "message": ...}, never an exception.
 
-        `limit` is in seconds; `waiting` is called a few times a second meanwhile.
+        `limit` is in seconds.
         """
         try:
             self._start()
             self._process.stdin.write(json.dumps(request) + "\n")
             self._process.stdin.flush()
-            line = self._read_line(limit, waiting)
+            line = self._read_line(limit)
         except TimeoutError:
             self.close()
             return {"state": "timeout", "message": f"gave no answer within {limit:g} s"}
@@ -74,7 +73,7 @@ class Worker:
         self._process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                          stderr=self._errors, text=True)
 
-    def _read_line(self, limit: float, waiting) -> str:
+    def _read_line(self, limit: float) -> str:
         """One line of the worker's output, "" at its end. Read piecewise: a line that never ends must time out too."""
         deadline, line, pipe = time.monotonic() + limit, b"", self._process.stdout.fileno()
         with selectors.DefaultSelector() as selector:
@@ -87,7 +86,6 @@ class Worker:
                         return ""
                     if len(line) > LONGEST_ANSWER:
                         raise OSError("answer too long")
-                waiting()
                 if time.monotonic() > deadline:
                     raise TimeoutError
         return line.decode(errors="replace")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -61,13 +60,13 @@ class RunStore:
             return None
         return run if run.planes and (self.folder / run.planes).exists() else None
 
-    def make(self, request: Request, worker: Worker, limit: float, waiting: Callable[[], None]) -> Run:
+    def make(self, request: Request, worker: Worker, limit: float) -> Run:
         """Makes the run in `worker`. Whatever goes wrong is told by the run's state; nothing is raised for it."""
         renderer = renderers.find(request.renderer)
         planes = f"{RUNS}/{request.key}.npz"
         answer = worker.ask({"renderer": request.renderer, "settings": request.settings,
                              "scene": request.scene.model_dump_json(by_alias=True),
-                             "planes": str(self.folder / planes)}, limit, waiting)
+                             "planes": str(self.folder / planes)}, limit)
         state, message = answer["state"], answer.get("message", "")
         if state == "ok" and (problem := self._problem(request, planes)):
             state, message = "malformed", problem

@@ -6,6 +6,7 @@ import datetime
 import json
 import threading
 import time
+from collections import deque
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
@@ -35,7 +36,7 @@ class Options:
     renderers: tuple[str, ...] = COMPARED
     largest: int = 640  # pixels of the longer side; larger scenes are compared at this size
     limit: float = SECONDS_PER_RUN
-    jobs: int = 2  # renderers at work at the same time
+    jobs: int = 2  # runs made at the same time
     with_studies: bool = True
     quiet: bool = False
 
@@ -79,27 +80,31 @@ def _fitted(scene: Scene, largest: int) -> Scene:
 
 
 def _make_all(requests: list[Request], store: RunStore, options: Options) -> dict[str, Run]:
-    """All runs by key: finished ones from the store, the others in one worker process a renderer."""
+    """All runs by key: finished ones from the store; the others by `jobs` threads, each with a process a renderer."""
     runs = {r.key: run for r in requests if (run := store.finished(r))}
-    waiting = [r for r in requests if r.key not in runs]
+    waiting = deque(r for r in requests if r.key not in runs)
     progress, lock = Progress(len(waiting), options.quiet), threading.Lock()
-    queues: dict[str, list[Request]] = {}
-    for request in waiting:
-        queues.setdefault(request.renderer, []).append(request)
 
-    def work(queue: list[Request]) -> None:
-        with Worker() as worker:
-            for request in queue:
-                label = f"{request.renderer}: {request.scene.name}"
-                run = store.make(request, worker, options.limit, lambda: None)
+    def work() -> None:
+        with ExitStack() as stack:
+            workers: dict[str, Worker] = {}
+            while True:
+                try:
+                    request = waiting.popleft()
+                except IndexError:
+                    return
+                if request.renderer not in workers:
+                    workers[request.renderer] = stack.enter_context(Worker())
+                run = store.make(request, workers[request.renderer], options.limit)
                 with lock:
                     runs[request.key] = run
-                    progress.step(label=label)
+                    progress.step(label=f"{request.renderer}: {request.scene.name}")
 
     with ExitStack() as stack:
         stack.callback(progress.close)
         pool = stack.enter_context(ThreadPoolExecutor(options.jobs))
-        for future in [pool.submit(work, queue) for queue in queues.values()]:
+        stack.callback(waiting.clear)  # an interrupted suite starts nothing new
+        for future in [pool.submit(work) for _ in range(options.jobs)]:
             future.result()
     return {r.key: runs[r.key] for r in requests}
 

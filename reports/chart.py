@@ -7,23 +7,16 @@ from dataclasses import dataclass
 
 from comparisons.results import Series
 
+from .axis import MOST_TICKS, LogAxis, Tick, log_ticks, padded
 from .names import slug
-from .numbers import Number, is_plain, parts, power
 
 WIDTH, HEIGHT = 640, 400  # of the drawing, in its own units
 LEFT, RIGHT, TOP, BOTTOM = 74, 18, 40, 58  # margins
 BAND = 34  # height of the band below the axis where exact zeros are drawn
-MOST_TICKS = 7
 
 # one mark a line, besides its colour and its dashes: a path around (0, 0)
 MARKS = ("M-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0Z", "M-4.2 -4.2H4.2V4.2H-4.2Z", "M0 -5.8L5.8 0L0 5.8L-5.8 0Z",
          "M0 -5.4L5.2 4H-5.2Z", "M0 5.4L5.2 -4H-5.2Z", "M-5 -1.7H-1.7V-5H1.7V-1.7H5V1.7H1.7V5H-1.7V1.7H-5Z")
-
-
-@dataclass(frozen=True)
-class Tick:
-    at: float
-    label: Number
 
 
 @dataclass(frozen=True)
@@ -56,6 +49,18 @@ class Chart:
 
     width, height, left, right, top, bottom, band = WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM, BAND
 
+    @property
+    def title(self) -> str:
+        return self.series.title
+
+    @property
+    def x_label(self) -> str:
+        return self.series.x_label
+
+    @property
+    def y_label(self) -> str:
+        return self.series.y_label
+
 
 def chart(series: Series) -> Chart:
     """Places every point with x > 0: those with y > 0 on the axes, those with y = 0 in a band of their own."""
@@ -64,8 +69,8 @@ def chart(series: Series) -> Chart:
     zeros = any(y == 0 for _, y in shown)
     floor = HEIGHT - BOTTOM - (BAND if zeros else 0)
     x_values = [x for x, _ in shown]
-    horizontal = _Axis(*_padded(x_values, 0.06), LEFT, WIDTH - RIGHT)
-    vertical = _Axis(*_padded([y for _, y in shown if y > 0], 0.08), floor, TOP)
+    horizontal = LogAxis(*padded(x_values, 0.06), LEFT, WIDTH - RIGHT)
+    vertical = LogAxis(*padded([y for _, y in shown if y > 0], 0.08), floor, TOP)
     in_band = floor + BAND / 2
     lines = tuple(_line(i, label, values, series.slope.get(label), horizontal, vertical, in_band)
                   for i, (label, values) in enumerate(series.lines.items()))
@@ -75,54 +80,7 @@ def chart(series: Series) -> Chart:
                  zeros, floor, len(points) - len(shown))
 
 
-def log_ticks(low: float, high: float) -> list[float]:
-    """Round values between `low` and `high`, as many as a chart has room for: 1-2-5, decades, or every n-th decade."""
-    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-    for digits, stride in [((1, 2, 5), 1), ((1, 3), 1)] + [((1,), stride) for stride in range(1, last - first + 2)]:
-        found = [float(f"{digit}e{exponent}") for exponent in range(first, last + 1) if exponent % stride == 0
-                 for digit in digits]
-        found = [value for value in found if low <= value <= high]
-        if len(found) <= MOST_TICKS:
-            return found
-    return []
-
-
-@dataclass(frozen=True)
-class _Axis:
-    """A logarithmic axis from value `low` at coordinate `start` to value `high` at coordinate `end`."""
-
-    low: float
-    high: float
-    start: float
-    end: float
-
-    @property
-    def range(self) -> tuple[float, float]:
-        return self.low, self.high
-
-    def at(self, value: float) -> float:
-        position = math.log(value / self.low) / math.log(self.high / self.low)
-        return round(self.start + position * (self.end - self.start), 2)
-
-    def ticks(self, values: list[float]) -> tuple[Tick, ...]:
-        write = parts if all(map(is_plain, values)) else power  # one notation an axis
-        return tuple(Tick(self.at(value), write(value)) for value in values)
-
-    def apart(self, values: list[float], distance: float) -> bool:
-        at = [self.at(value) for value in values]
-        return all(b - a >= distance for a, b in zip(at, at[1:]))
-
-
-def _padded(values: list[float], share: float) -> tuple[float, float]:
-    """The range of `values`, wider by `share` of its logarithm at both ends; at least a factor of 4 in all."""
-    if not values:
-        return 0.1, 10.0
-    low, high = math.log10(min(values)), math.log10(max(values))
-    pad = max(share * (high - low), (math.log10(4) - (high - low)) / 2)
-    return 10 ** (low - pad), 10 ** (high + pad)
-
-
-def _line(number: int, label: str, values, slope, horizontal: _Axis, vertical: _Axis, in_band: float) -> Line:
+def _line(number: int, label: str, values, slope, horizontal: LogAxis, vertical: LogAxis, in_band: float) -> Line:
     points, segments, segment = [], [], []
     for x, y in sorted(values):
         if not (math.isfinite(x) and x > 0 and math.isfinite(y) and y >= 0):

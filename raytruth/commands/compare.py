@@ -23,7 +23,7 @@ def add_arguments(parser):
     parser.add_argument("--largest", metavar="PIXELS", type=int, default=640,
                         help="scenes with a longer side are compared at this size (default 640)")
     parser.add_argument("--limit", metavar="SECONDS", type=float, default=300.0, help="time limit of one run (default 300)")
-    parser.add_argument("--jobs", metavar="N", type=int, default=2, help="renderers at work at a time (default 2)")
+    parser.add_argument("--jobs", metavar="N", type=int, default=2, help="runs made at the same time (default 2)")
     parser.add_argument("--no-studies", action="store_true", help="leave out the sweeps of resolution and step size")
     parser.add_argument("--json", action="store_true", help="print the results document")
 

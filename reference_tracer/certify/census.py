@@ -99,7 +99,13 @@ class Census:
             asked = numpy(shadow.asked, count) & active
             self._count_shadows(own[asked])
             lights.append(np.where(asked, own["audited"]["light"], np.nan))
-        return np.stack(lights, axis=-1) if lights else np.empty((count, 0))
+        seen = np.stack(lights, axis=-1) if lights else np.empty((count, 0))
+        asked, reached = (numpy(n, count) for n in (collision.lights_asked, collision.lights_reached))
+        other = active & (((~np.isnan(seen)).sum(axis=-1) != asked) | ((seen > 0).sum(axis=-1) != reached))
+        if other.any():  # the tracer's own shadow rays are not those that its collisions call for
+            self._keep_wrong(("shadow rays astray", int(SHADOW), NOTHING), rows[other])
+            self.kinds["shadow"].wrong += int(other.sum())
+        return seen
 
     # --- counting --------------------------------------------------------------------------------------------------
     def _count_hits(self, rows, side_wrong, side_index) -> None:
@@ -136,12 +142,13 @@ class Census:
             for fault, mask in faults.items():
                 index = blamed(fault)
                 for k in np.unique(index[mask & own]):
-                    which = mask & own & (index == k)
-                    key = fault, int(kind), int(k)
-                    self.wrong_counts[key] += int(which.sum())
-                    room = MOST_KEPT - sum(map(len, self.wrong[key]))
-                    if room > 0:
-                        self.wrong[key].append(rows[which][:room])
+                    self._keep_wrong((fault, int(kind), int(k)), rows[mask & own & (index == k)])
+
+    def _keep_wrong(self, key: tuple[str, int, int], rows) -> None:
+        self.wrong_counts[key] += len(rows)
+        room = MOST_KEPT - sum(map(len, self.wrong[key]))
+        if room > 0:
+            self.wrong[key].append(rows[:room])
 
     def _write_down(self, rows, lights, active) -> None:
         """The decisions of watched pixels, as precise.py writes down its own."""

@@ -7,7 +7,7 @@ import pytest
 from certify_support import (ClaimsTooMuch, IsOff, SkipsRoots, TakesSideFromSign, breaking, make_scene,
                              mirror_and_glass, thing)
 
-from reference_tracer import rays, wavefront
+from reference_tracer import rays, shading, wavefront
 from reference_tracer.backend import backend
 from reference_tracer.certify import certify
 from reference_tracer.certify.text import told
@@ -171,3 +171,11 @@ def test_nonsense_is_refused():
         certify(scene, "guess")
     with pytest.raises(InputError, match="must not be negative"):
         certify(scene, sample=-1)
+
+
+def test_shadow_rays_that_run_astray_are_found(monkeypatch):
+    """The tracer's own shadow rays are compared with those that its collisions call for; here they point backwards."""
+    monkeypatch.setattr(shading, "Ray", lambda o, d, sides: rays.Ray(o, -d, sides))
+    certificate = certify(mirror_and_glass(max_depth=1), sample=50, paths=8)
+    assert "shadow rays astray" in {fault for fault, _, _ in _faults(certificate)}
+    assert certificate.paths.wrong or certificate.paths.above_bar

@@ -73,7 +73,7 @@ def test_planes_that_are_not_the_picture_are_malformed(tmp_path, write, word):
         {write}
         print(json.dumps({{"state": "ok", "facts": {{}}}}))
         """) as worker:
-        run = RunStore(tmp_path).make(Request(SCENE, "exact"), worker, 20, lambda: None)
+        run = RunStore(tmp_path).make(Request(SCENE, "exact"), worker, 20)
     assert run.state == "malformed" and word in run.message and run.planes is None
 
 

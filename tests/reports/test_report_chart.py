@@ -5,7 +5,8 @@ import math
 import pytest
 
 from comparisons.results import Series
-from reports.chart import MOST_TICKS, chart, log_ticks
+from reports.axis import MOST_TICKS, log_ticks
+from reports.chart import chart
 
 
 def series(**lines) -> Series:

@@ -21,8 +21,12 @@ def _box(center_x, r, scale):
     return (center_x - r, -r, -r), (center_x + r, r, r)
 
 
-BALL = Shape(lambda x, y, z, center_x, r, scale: ((x - center_x) ** 2 + y**2 + z**2 - r * r) * scale, degree=2,
-             box=_box)
+def _f(x, y, z, center_x, r, scale):
+    return ((x - center_x) ** 2 + y**2 + z**2 - r * r) * scale
+
+
+BALL = Shape(_f, degree=2, box=_box)
+FORMULA = Shape(_f, degree=2)  # as a user types it, without a box
 
 
 def _rays(draw: Draw, impact, *, distance=3.0, r=1.0, center_x=0.0, scale=1.0, step=STEP, **more) -> Rays:
@@ -57,6 +61,8 @@ def small_ball_rate(r: float) -> float:
     return 1 - 2 / 3 * ratio if ratio <= 1 else 1 / (3 * ratio**2)
 
 
+_LONG_CHORDS = Law("paper", "0: chords are longer than the step, Newton uses quotients of f only", lambda p: 0.0)
+
 FAMILIES = (
     SurfaceFamily(
         About("grazing", "Grazing a ball", "1 - impact parameter",
@@ -90,7 +96,7 @@ FAMILIES = (
               why="A point at distance R is rounded by 1e-16 R (fp64) or 6e-8 R (fp32); no method undoes that.",
               instead="Double precision, and a camera within 1e8 times the smallest detail.",
               single=(1e1, 1e2, 1e3, 1e4)),
-        BALL, lambda p, draw: _rays(draw, _anywhere(draw), distance=p)),
+        BALL, lambda p, draw: _rays(draw, _anywhere(draw), distance=p), laws=(_LONG_CHORDS,)),
     SurfaceFamily(
         About("translated", "f written far from its origin", "distance of the ball from the origin of f",
               (1e1, 1e2, 1e4, 1e6, 1e8),
@@ -98,7 +104,7 @@ FAMILIES = (
               why="x - R loses the digits of x below 1e-16 R, and so does every point on the ray.",
               instead="Give the object a \"center\": it is subtracted once, from the ray.",
               single=(1e1, 1e2, 1e3, 1e4)),
-        BALL, lambda p, draw: _rays(draw, _anywhere(draw), center_x=p)),
+        FORMULA, lambda p, draw: _rays(draw, _anywhere(draw), center_x=p), laws=(_LONG_CHORDS,)),
     SurfaceFamily(
         About("scaled-scene", "The whole scene scaled", "factor on all lengths, the step included",
               (1.0, 1e3, 1e6, 1e-3, 1e-6, 1e-9),
@@ -114,4 +120,4 @@ FAMILIES = (
               why="f and 1e200 f have the same zeros, but squares of the coefficients of the latter are infinite.",
               instead="Methods that use only signs and quotients of f, or coefficients divided by the largest.",
               single=(1.0, 1e6, 1e-6, 1e12, 1e-12, 1e25, 1e-25)),
-        BALL, lambda p, draw: _rays(draw, _anywhere(draw), scale=p)))
+        FORMULA, lambda p, draw: _rays(draw, _anywhere(draw), scale=p), laws=(_LONG_CHORDS,)))
