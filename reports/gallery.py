@@ -15,9 +15,9 @@ COLUMNS, WIDTH, HEIGHT, GAP = 5, 240, 180, 6
 
 
 def gallery(results: Results, folder: Path) -> np.ndarray:
-    """The exact pictures of all scenes in rows of five, each scaled to fill its cell, (h, w, 3) uint8."""
-    keys = {run.scene: run for run in results.runs if run.renderer == "exact" and run.state == "ok"}
-    cells = [_cell(load_npz(folder / keys[scene.name].planes)[0]["color"]) for scene in results.scenes]
+    """The reference pictures of all scenes in rows of five, each scaled to fill its cell, (h, w, 3) uint8."""
+    keys = {comparison.scene: comparison.reference for comparison in results.comparisons}
+    cells = [_cell(load_npz(folder / results.run(keys[scene.name]).planes)[0]["color"]) for scene in results.scenes]
     rows = -(-len(cells) // COLUMNS)
     sheet = np.full((rows * (HEIGHT + GAP) - GAP, COLUMNS * (WIDTH + GAP) - GAP, 3), 255, np.uint8)
     for k, cell in enumerate(cells):

@@ -17,8 +17,8 @@ THINGS = {
     "ellipsoid": thing("ellipsoid", (0.1, 0.2, -0.3), a=0.5, b=1.7, c=1.25, rotation=TURNED),
     "torus": thing("torus", (0.1, 0, 0.2), R=1.1, r=0.6, rotation=TURNED),
     "heart": thing("heart", (0.05, -0.1, 0.02), rotation=TURNED),
-    "formula": thing("expression", formula="exp(x**2 + y**2) + cos(z) * z**2 - 2.5", inside="negative",
-                     bounds={"low": [-3, -3, -3], "high": [3, 3, 3]})}
+    "formula": thing("expression", formula="exp(x**2 + y**2 + 0.5 * z**2) + 0.1 * sin(3 * z) - 2.5",
+                     bounds={"low": [-1, -1, -1.5], "high": [1, 1, 1.5]})}
 LADDER = np.concatenate([np.arange(-20, 21), [-1e3, 1e3, -1e5, 1e5, -1e7, 1e7]])  # steps of one unit in the last place
 
 
@@ -42,8 +42,9 @@ def _rays_about_a_tangent(scene, proofs, seed):
         rows = _rows([offset, offset], o, across, d)
         return bool(decide(scene, rows[0], local_rays(proofs, rows)[:, 0]).hits)
 
-    low, high = 0.0, 4.0
-    assert hits(low) and not hits(high)
+    tried = np.linspace(0, 4, 41)
+    last = max(k for k, offset in enumerate(tried) if hits(offset))
+    low, high = tried[last], tried[last + 1]
     while high - low > np.spacing(low):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if hits(middle) else (low, middle)
