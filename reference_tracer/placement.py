@@ -26,4 +26,5 @@ def rotation_matrix(rotation: Rotation | None) -> np.ndarray:
 def is_inside(obj: Object, point) -> bool:
     """Whether `point` (world space) lies inside the object: f < 0 (decision O1). The side of a camera ray (M3)."""
     local = rotation_matrix(obj.rotation).T @ (np.asarray(point, float) - np.array(obj.surface.center))
-    return bool(obj.surface(*local.tolist()) < 0)
+    with np.errstate(all="ignore"):
+        return bool(-np.inf < obj.surface(*local) < 0)

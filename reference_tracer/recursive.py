@@ -49,7 +49,10 @@ def point_color(scene: Scene, search: Search, o, d, inside, depth: int) -> np.nd
     color = np.tile(np.array(scene.background), (len(d), 1))
     if depth > scene.tracing.max_depth:
         return color
-    t, index = search.first_hit(o, d, inside)
+    # the misprint of section 4.3.3.2 (E1) makes directions of NaN: such a ray meets nothing
+    usable = np.isfinite(d).all(axis=-1)
+    t, index = np.full(len(d), np.inf), np.full(len(d), -1)
+    t[usable], index[usable] = search.first_hit(o[usable], d[usable], inside[usable])
     for k, obj in enumerate(scene.objects):
         here = np.flatnonzero(index == k)
         if len(here):
@@ -113,7 +116,8 @@ class LiteralSearch:
     def _signs(self, o, d, t):
         """f < 0 of every object at o + t d, (n, objects); what is not finite counts as outside (M7)."""
         with np.errstate(all="ignore"):
-            return np.stack([surface(*((o - c + t[:, None] * d) @ R).T) < 0 for R, c, surface in self.frames], axis=-1)
+            return np.stack([_is_inside(surface(*((o - c + t[:, None] * d) @ R).T))
+                             for R, c, surface in self.frames], axis=-1)
 
     def first_hit(self, o, d, inside):
         t_hit, index = np.full(len(d), np.inf), np.full(len(d), -1)
@@ -161,6 +165,10 @@ def _normal(obj: Object, point):
     rotation = rotation_matrix(obj.rotation)
     g = obj.surface.regular(*Dual.axes(tuple(((point - np.array(obj.surface.center)) @ rotation).T)))
     return _normalize(np.stack([np.broadcast_to(g.derivative(i), len(point)) for i in range(3)], axis=-1) @ rotation.T)
+
+
+def _is_inside(f):
+    return (f < 0) & (f > -np.inf)
 
 
 def _dot(a, b):

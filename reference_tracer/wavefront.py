@@ -61,7 +61,8 @@ class Film:
     def note(self, wave: Wave, undecided, generation) -> None:
         UInt = type(self.undecided)
         for plane, value in ((self.undecided, dr.select(undecided, UInt(1), 0)), (self.generation, generation)):
-            dr.scatter_reduce(dr.ReduceOp.Max, plane, value, wave.slot, mode=dr.ReduceMode.Direct)
+            # rays of weight 0 pad the queue and belong to no pixel
+            dr.scatter_reduce(dr.ReduceOp.Max, plane, value, wave.slot, wave.weight > 0, mode=dr.ReduceMode.Direct)
 
 
 def trace(world: World, wave: Wave, slots: int,

@@ -9,27 +9,35 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from comparisons import results as documents
+from comparisons.stability import results as stability
 from reference_tracer.errors import InputError
 
-from . import pictures, templating
+from . import mark, pictures, templating
+from .mark import MARK
 from .pages import all_pages
 from .report import arrange
 
 OUTPUT = Path("reports/html")
 MOST_THREADS = 4  # each holds the planes of one scene, about 200 MB; packing and unpacking run in parallel
-MARK = ".raytruth-report"  # a file in every report: a folder without it is not ours to replace
 
 
 def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *,
           progress: Callable[[float], None] | None = None) -> Path:
     """Makes the report of the results in `results_folder`; returns the path of its first page.
 
-    The same results give the same bytes. An earlier report in `output_folder` is replaced as a whole, and stays as it
+    The same results give the same bytes, and a report made from the same results is left as it is. An earlier report in `output_folder` is replaced as a whole, and stays as it
     is until the new one is complete. `progress` is called with the finished fraction. Raises InputError.
     """
     results_folder, output = Path(results_folder), Path(output_folder).resolve()
-    report = arrange(documents.read(results_folder))
+    results = documents.read(results_folder)
+    methods = stability.read(results_folder) if (results_folder / stability.FILE).exists() else None
+    report = arrange(results, methods)
     _require_ours(output, results_folder.resolve())
+    made_from = mark.fingerprint(results, results_folder)
+    if mark.is_current(output, made_from):
+        if progress is not None:
+            progress(1.0)
+        return output / "index.html"
     new, old = output.with_name(f".{output.name}.new"), output.with_name(f".{output.name}.old")
     try:
         if old.exists() and not output.exists():  # a build was interrupted between the two renames below
@@ -38,6 +46,7 @@ def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *,
             shutil.rmtree(leftover, ignore_errors=True)
         new.mkdir(parents=True)
         _write(report, results_folder, new, progress or (lambda _: None))
+        mark.write(new, made_from)
         if output.exists():
             os.replace(output, old)
         os.replace(new, output)
@@ -60,13 +69,14 @@ def _write(report, results_folder: Path, folder: Path, progress: Callable[[float
     pictures.write_scale(folder)
     scenes = report.results.scenes
     with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
-        written = pool.map(lambda scene: pictures.write_scene(report.of_scene(scene), results_folder, folder), scenes)
+        written = pool.map(lambda scene: pictures.write_scene(
+            report.of_scene(scene), report.effects_of_scene(scene), results_folder, folder), scenes)
         for done, (scene, files) in enumerate(zip(scenes, written), 1):
             report.pictures[scene.name] = files
             progress(done / (len(scenes) + 1))
     templates = templating.environment()
     files = {page.path: templating.rendered(templates, page, report) for page in all_pages(report)}
-    for path, text in {**files, **templating.static(templates), MARK: ""}.items():
+    for path, text in {**files, **templating.static(templates)}.items():
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_text(text, encoding="utf-8", newline="\n")
     progress(1.0)

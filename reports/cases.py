@@ -69,7 +69,8 @@ def cases(results: Results) -> list[Case]:
     scenes = {s.name: s for s in results.scenes}
     runs = {r.key: r for r in results.runs}
     for what, names in (("scene", [s.name for s in results.scenes]), ("run", [r.key for r in results.runs]),
-                        ("comparison", [c.id for c in results.comparisons]), ("study", [s.id for s in results.series])):
+                        ("comparison", [c.id for c in results.comparisons]), ("study", [s.id for s in results.series]),
+                        ("effect", [e.id for e in results.effects])):
         for name, count in Counter(names).items():
             if count > 1:
                 raise InputError(f"results document: {what} '{name}' is listed {count} times; "

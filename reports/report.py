@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from comparisons.results import Results, Run, SceneRecord
+from comparisons.stability.results import Stability
 
 from . import cases
 from .cases import Case, Tally
 from .chart import Chart, chart
 from .decisions import Decision, read
+from .effects import FIRST, Shown, effects
+from .failures import Failures, failures
 from .pictures import ScenePictures
 
 
@@ -21,10 +24,20 @@ class Report:
     tally: Tally
     charts: list[Chart]
     decisions: list[Decision]
+    effects: list[Shown]  # of decisions on a picture
+    failures: Failures | None  # of methods, if the stability suite has run
     pictures: dict[str, ScenePictures]  # name of the scene: its files; filled as they are written
 
     def of_scene(self, scene: SceneRecord) -> list[Case]:
         return [case for case in self.cases if case.scene.name == scene.name]
+
+    def effects_of_scene(self, scene: SceneRecord) -> list[Shown]:
+        return [shown for shown in self.effects if shown.effect.scene == scene.name]
+
+    @property
+    def changing(self) -> set[str]:
+        """Ids of the decisions that the page of effects speaks of."""
+        return {FIRST} | {shown.effect.decision for shown in self.effects}
 
     def main_picture(self, scene: SceneRecord) -> str | None:
         """The file of the scene's picture: the model's truth if there is one, else any reference, else any run."""
@@ -35,7 +48,8 @@ class Report:
         return next((runs[key].files["color"] for key in keys if key in runs), None)
 
 
-def arrange(results: Results) -> Report:
+def arrange(results: Results, stability: Stability | None = None) -> Report:
     """Everything but the pictures. Raises InputError if the document contradicts itself."""
     found, failed = cases.cases(results), cases.failed_runs(results)
-    return Report(results, found, failed, cases.tally(found, failed), [chart(s) for s in results.series], read(), {})
+    return Report(results, found, failed, cases.tally(found, failed), [chart(s) for s in results.series], read(),
+                  effects(results), failures(stability) if stability else None, {})

@@ -7,8 +7,9 @@ examples:
   raytruth certify figure-09-heart --method paper         how often does the document's own method fail?
 
 Every ray of the picture (camera, reflection, refraction and shadow rays) is decided once more by outward-rounded
-interval arithmetic: a proof. python-flint decides a sample of them exactly, tangency included, half of it at silhouettes
-and shadow edges. A few whole pixels are recomputed with 77 digits. The exit code is 1 if anything contradicts.
+interval arithmetic: a proof. python-flint decides a sample of them exactly, tangency included, half of it at
+silhouettes and shadow edges. A few whole pixels are recomputed with 77 digits. The exit code is 1 if anything
+contradicts.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from .render import size
 
 
 def add_arguments(parser):
-    parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
+    parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of files (default: all shipped)")
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
     parser.add_argument("--method", default="exact", help="the first-hit method to certify (default exact)")
     parser.add_argument("--sample", type=int, default=1000, metavar="N", help="rays to decide exactly (default 1000)")
@@ -75,8 +76,9 @@ def _sized(scene, size):
 def _summary(certificates) -> str:
     total = lambda pick: sum(pick(c) for c in certificates)
     rays, undecided = total(lambda c: c.rays), total(lambda c: c.undecided_rays)
+    wrong = total(lambda c: sum(k.wrong for k in c.kinds.values()))
     return (f"{len(certificates)} scenes, {total(lambda c: c.passed)} hold: {rays:,} rays, "
-            f"{total(lambda c: sum(k.wrong for k in c.kinds.values()))} wrong, {undecided / max(rays, 1):.1e} undecided; "
+            f"{wrong} wrong, {undecided / max(rays, 1):.1e} undecided; "
             f"{total(lambda c: c.audit.rays):,} audited, {total(lambda c: c.audit.contradictions)} contradictions; "
             f"{total(lambda c: c.paths.paths)} paths, largest error "
             f"{max((c.paths.largest_error for c in certificates), default=0.0):.1e}, "

@@ -93,7 +93,8 @@ class Certificate:
     @property
     def passed(self) -> bool:
         """No wrong ray, no contradiction, no path off its high-precision recomputation."""
-        return not (self.findings or self.audit.contradictions or self.audit.wrong or self.paths.above_bar or self.paths.wrong)
+        faulty_paths = self.paths.above_bar or self.paths.wrong
+        return not (self.findings or self.audit.contradictions or self.audit.wrong or faulty_paths)
 
     def document(self) -> dict:
         """Everything, as JSON would hold it."""

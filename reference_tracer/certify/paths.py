@@ -45,7 +45,7 @@ def compare_paths(picture: Picture, pixels: np.ndarray, count: int, census,
             continue
         budget -= cost
         result.paths += 1
-        _compare(result, tracer, picture, pixel, census.decisions[pixel], divmod(pixel, width))
+        _compare(result, tracer, picture, divmod(pixel, width), census.decisions[pixel])
         progress(result.paths / count)
     if result.paths < count:
         result.not_tried = (f"{len(pixels)} pixels drawn, {len(pixels) - len(proven)} of them not proven along their "
@@ -53,7 +53,7 @@ def compare_paths(picture: Picture, pixels: np.ndarray, count: int, census,
     return result
 
 
-def _compare(result: PathErrors, tracer: PreciseTracer, picture: Picture, pixel: int, decisions: Counter, place) -> None:
+def _compare(result: PathErrors, tracer: PreciseTracer, picture: Picture, place, decisions: Counter) -> None:
     row, col = place
     where = f"pixel ({row}, {col})"
     try:

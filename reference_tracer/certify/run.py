@@ -124,8 +124,8 @@ class _Report:
         else:
             claims = (f"object {a['index']} at t = {a['t']:.17g}, proven object {p['index']} at t = {p['t']:.17g} "
                       f"within {row['radius']:.1e}")
-        return (f"pixel ({y}, {x}), generation {row['generation']}, from {numbers(row['o'])} along {numbers(row['d'])}: "
-                f"{claims}")
+        return (f"pixel ({y}, {x}), generation {row['generation']}, from {numbers(row['o'])} "
+                f"along {numbers(row['d'])}: {claims}")
 
 
 def _tell_faults(report: _Report, census: Census, audited: World, proofs: World) -> None:

@@ -10,8 +10,8 @@ MOST_SHOWN = 12  # findings, and reasons
 def told(c: Certificate) -> str:
     """The certificate for people to read, without a newline at its end."""
     samples = f", {c.samples} x {c.samples} samples a pixel" if c.samples > 1 else ""
-    lines = [f"{c.scene}, {c.width} x {c.height}{samples}, method {c.method}: {'holds' if c.passed else 'DOES NOT HOLD'}",
-             "", *_census(c), "", *_audit(c.audit), *_paths(c.paths)]
+    verdict = "holds" if c.passed else "DOES NOT HOLD"
+    lines = [f"{c.scene}, {c.width} x {c.height}{samples}, method {c.method}: {verdict}", "", *_census(c), "", *_audit(c.audit), *_paths(c.paths)]
     lines += _list("Wrong:", c.findings) + _list("Undecided by proof:", c.undecided)
     return "\n".join(lines)
 

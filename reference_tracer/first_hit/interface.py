@@ -37,7 +37,8 @@ class Solid:
 
     def inside_at(self, ray: LocalRay, t):
         """Whether the point at t is inside: f < 0, so that zero and anything not finite is outside (O1, M7)."""
-        return self.f(*ray.at(t)) < 0
+        g = self.f(*ray.at(t))
+        return (g < 0) & (g > -dr.inf)
 
     def slope_at(self, ray: LocalRay, t, form=None):
         """g(t) = f(o + t d) and g'(t), by dual numbers (section 4.2)."""

@@ -66,8 +66,10 @@ class IntervalMethod:
             g_end, end_inside, end_outside = self._end_of_segment(solid, ray, end)
             crossed = dr.select(side, end_outside, end_inside)
             stayed = dr.select(side, end_inside, end_outside)
-            rises, falls = slope.low > 0, slope.high < 0
-            simple = rises | falls | g.excludes_zero() | self._bounded_away(g_start, g_end, slope, w, side)
+            # where g may not be finite (M7), neither its slope nor its ends say anything
+            known = dr.isfinite(g.low) & dr.isfinite(g.high)
+            rises, falls = known & (slope.low > 0), known & (slope.high < 0)
+            simple = rises | falls | (known & (g.excludes_zero() | self._bounded_away(g_start, g_end, slope, w, side)))
             # g moves away from zero on the ray's own side: whatever the signs, there is no crossing. A ray that leaves
             # a surface starts there, its origin a rounding error on the wrong side.
             recovers = dr.select(side, falls, rises)
@@ -76,7 +78,7 @@ class IntervalMethod:
             hit = ~clean & crossed & (simple | narrow)
             passed = clean | (narrow & ~hit)
             # narrow, yet neither excluded nor crossed: two crossings closer than NARROWEST may hide here
-            undecided |= passed & ~clean
+            undecided |= (passed & ~clean) | (hit & ~known)
             count += dr.select(hit, UInt(1), 0)
             segments += 1
             stays = hit & only_first
@@ -85,7 +87,7 @@ class IntervalMethod:
             t = dr.select(moves, end, t)
             g_start = dr.select(moves, g_end, g_start)
             w = dr.select(moves, 2 * w, dr.select(stays, w, 0.5 * w))
-            active = ~stays & (t < stop) & (segments < MOST_SEGMENTS)
+            active = ~stays & ~(narrow & ~known) & (t < stop) & (segments < MOST_SEGMENTS)
         undecided |= segments >= MOST_SEGMENTS
         return _Scan(t, end, count, undecided, segments)
 

@@ -17,7 +17,7 @@ from . import functions as fn
 
 _PI = math.pi
 _ULP = 2.0**-52  # one unit in the last place of 1.0, fp64
-_TINY = 2.0**-1060  # below the smallest normal number: covers results that underflow
+_TINY = 2.0**-1021  # below the smallest normal number: covers results that underflow
 
 
 def _low(*values):
@@ -32,6 +32,12 @@ def _high(*values):
     for v in values[1:]:
         m = fn.maximum(m, v)
     return m
+
+
+def _quotient(a, b):
+    """a / b as IEEE arithmetic has it, for Python's floats too."""
+    with np.errstate(all="ignore"):
+        return a / (np.float64(b) if isinstance(b, (int, float)) else b)
 
 
 def _floor(x):
@@ -113,7 +119,7 @@ class Interval:
             low, high = (self.low, self.high) if other > 0 else (self.high, self.low)
             return self.rounded(low / other, high / other)
         other = self.of(other)
-        quotients = [self.low / other.low, self.high / other.low, self.low / other.high, self.high / other.high]
+        quotients = [_quotient(a, b) for b in (other.low, other.high) for a in (self.low, self.high)]
         safe = other.excludes_zero()
         return self.rounded(fn.select(safe, _low(*quotients), -math.inf), fn.select(safe, _high(*quotients), math.inf))
 

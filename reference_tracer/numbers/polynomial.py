@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+HIGHEST_DEGREE = 64
+
 
 class NotAlgebraic(TypeError):
     """The function is not a polynomial of its coordinates."""
@@ -56,6 +58,8 @@ class Polynomial:
     def __mul__(self, other):
         if not isinstance(other, Polynomial):
             return Polynomial(tuple(a * other for a in self.c))
+        if self.degree + other.degree > HIGHEST_DEGREE:
+            raise NotAlgebraic("a polynomial of so high a degree that its coefficients are worth nothing")
         product: list = [None] * (len(self.c) + len(other.c) - 1)
         for i, a in enumerate(self.c):
             for j, b in enumerate(other.c):

@@ -59,11 +59,12 @@ class _Refused(Exception):
 
 
 def _without_repeats(pairs):
-    keys = [key for key, _ in pairs]
-    for key in keys:
-        if keys.count(key) > 1:
+    found = {}
+    for key, value in pairs:
+        if key in found:
             raise _Refused(f"the key {_quoted(key)} stands twice in one object; keep one of them")
-    return dict(pairs)
+        found[key] = value
+    return found
 
 
 def _no_constant(name):
@@ -144,10 +145,10 @@ def one_line(error: ValidationError) -> str:
 
 def _place(location) -> str:
     text = ""
-    for step in location:
+    for before, step in zip((None, *location), location):
         if isinstance(step, int):
             text += f"[{step}]"
-        elif step not in _KINDS or not text.endswith("surface"):  # pydantic inserts the kind of a surface
+        elif step not in _KINDS or before != "surface":  # pydantic inserts the kind of a surface
             text += f".{_printable(str(step))}" if text else _printable(str(step))
     return text or "the scene"
 

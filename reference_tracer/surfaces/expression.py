@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import warnings
 from collections.abc import Callable
 from functools import cached_property, lru_cache
 from typing import ClassVar, Literal
@@ -42,6 +43,13 @@ class _Compiler:
         self.nodes = 0
 
     def compile(self, node: ast.expr, depth: int = 0) -> Evaluator:
+        evaluate = self._translate(node, depth)
+        if isinstance(node, (ast.BinOp, ast.Call)) and not _variables(node):
+            value = _value(evaluate)  # once, and as IEEE arithmetic has it
+            return lambda p: value
+        return evaluate
+
+    def _translate(self, node: ast.expr, depth: int) -> Evaluator:
         self.nodes += 1
         if self.nodes > MOST_NODES:
             raise FormulaError(f"has more than {MOST_NODES} operations; write it shorter")
@@ -91,24 +99,29 @@ class _Compiler:
         return number
 
     def _power(self, left, right, depth) -> Evaluator:
-        base, exponent = self.compile(left, depth + 1), _constant(right)
+        base, power = self.compile(left, depth + 1), self.compile(right, depth + 1)
+        exponent = None if _variables(right) else power(None)
         if exponent is not None and exponent == int(exponent):
             n = int(exponent)
             if abs(n) > LARGEST_EXPONENT:
                 raise FormulaError(f"raises to the power {n}; exponents go from -{LARGEST_EXPONENT} to {LARGEST_EXPONENT}")
             return lambda p: base(p) ** n
-        power = self.compile(right, depth + 1)
         return lambda p: fn.exp(fn.log(base(p)) * power(p))
 
 
-def _constant(node) -> float | None:
-    match node:
-        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
-            return _Compiler._number(value)
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            value = _constant(operand)
-            return None if value is None else -value
-    return None
+def _variables(node) -> set[str]:
+    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)} & set(VARIABLES)
+
+
+def _value(evaluate: Evaluator) -> float:
+    """The value of a part without variables."""
+    try:
+        value = float(evaluate(None))
+    except (ZeroDivisionError, OverflowError):
+        value = math.nan
+    if not math.isfinite(value):
+        raise FormulaError("has a constant part without a finite value")
+    return value
 
 
 def _describe(node) -> str:
@@ -138,11 +151,13 @@ def compile_formula(text: str) -> Evaluator:
     if len(text) > LONGEST_FORMULA:
         raise FormulaError(f"has {len(text)} characters; {LONGEST_FORMULA} are allowed")
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's parser warns of some texts on standard error
+            tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise FormulaError(f"cannot be read; write one expression of {VOCABULARY}") from None
     evaluator = _Compiler().compile(tree.body)
-    if not {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)} & set(VARIABLES):
+    if not _variables(tree):
         raise FormulaError("does not depend on x, y or z")
     return evaluator
 

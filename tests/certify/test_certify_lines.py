@@ -108,7 +108,8 @@ def test_balls_find_what_exact_roots_find():
 def test_transcendental_surfaces_are_decided_front_to_back():
     """sin(pi-ish z) along z: crossings at the multiples of pi, all of them or the first."""
     waves = Expression(formula="sin(z) + 0*x")
-    assert _at(follow(waves, (0.0, 0.0, 1.0), UP, False, 12.0)) == pytest.approx([k * math.pi - 1 for k in (1, 2, 3, 4)])
+    every = follow(waves, (0.0, 0.0, 1.0), UP, False, 12.0)
+    assert _at(every) == pytest.approx([k * math.pi - 1 for k in (1, 2, 3, 4)])
     first = follow(waves, (0.0, 0.0, 1.0), UP, False, 12.0, only_first=True)
     assert _at(first) == pytest.approx([math.pi - 1])
     solid = Expression(formula="0 - sin(z) + 0*x", inside="positive")  # the same solid, its sign flipped

@@ -79,4 +79,4 @@ def test_no_proof_about_a_nearly_touching_ray_is_wrong(name):
 
 def test_arithmetic_that_rounds_to_nearest_is_no_proof():
     """The same rays and the same algorithm without outward rounding: exact decisions catch it."""
-    assert sum(_contradictions(make_scene(t, max_distance=20), "interval")[0] for t in THINGS.values()) > 0
+    assert _contradictions(make_scene(THINGS["heart"], max_distance=20), "interval")[0] > 0

@@ -38,7 +38,7 @@ FAMILIES = (
         About("asymptote", "Along a generator of a cone", "angle between ray and generator, radians",
               (1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-15, 0.0),
               when="A ray is almost parallel to a straight line of a quadric.",
-              why="The coefficient of t^2 is rounding noise: dividing by it, or trusting its sign, invents or loses a root.",
+              why="The coefficient of t^2 is rounding noise: dividing by it, or trusting its sign, makes up a root.",
               instead="The formula without cancellation, and the side the ray is on to choose the root.",
               single=(1e-1, 1e-3, 1e-6, 0.0)),
         CONE, _along_generator),)

@@ -1,0 +1,58 @@
+"""What decisions change: each effect with all that it refers to, the misprint E1 first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from comparisons.results import Effect, Results, Run, SceneRecord
+
+from .decisions import Decision
+from .names import slug
+
+FIRST = "E1"  # the misprint
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One effect; `missing` says why it cannot be shown, if so."""
+
+    effect: Effect
+    scene: SceneRecord | None
+    baseline: Run | None
+    variant: Run | None
+    missing: str = ""
+
+    @property
+    def anchor(self) -> str:
+        return slug(self.effect.id)
+
+    @property
+    def runs(self) -> list[Run]:
+        return [] if self.missing else [self.baseline, self.variant]
+
+
+def effects(results: Results) -> list[Shown]:
+    """The effects in the document's order. One that names what the document lacks is shown without pictures."""
+    scenes = {s.name: s for s in results.scenes}
+    runs = {r.key: r for r in results.runs}
+    return [_shown(e, scenes.get(e.scene), runs.get(e.baseline), runs.get(e.variant)) for e in results.effects]
+
+
+def _shown(effect: Effect, scene: SceneRecord | None, baseline: Run | None, variant: Run | None) -> Shown:
+    missing = ""
+    if scene is None:
+        missing = f"No pictures: the results do not list the scene '{effect.scene}'."
+    for word, key, run in (("with the decision", effect.baseline, baseline), ("without it", effect.variant, variant)):
+        if not missing and run is None:
+            missing = f"No pictures: the results do not list the run '{key}' {word}."
+        if not missing and run.state != "ok":
+            missing = f"No pictures: the run {word} failed ({run.message or run.state})."
+    return Shown(effect, scene, baseline, variant, missing)
+
+
+def by_decision(found: list[Shown], decisions: list[Decision]) -> list[tuple[str, Decision | None, list[Shown]]]:
+    """(id, the decision if it is a known one, its effects): the misprint first, then in the order of the decisions."""
+    rows = {d.id: d for d in decisions}
+    order = {id: k for k, id in enumerate([FIRST, *rows])}
+    ids = sorted({FIRST, *(shown.effect.decision for shown in found)}, key=lambda id: (order.get(id, len(order)), id))
+    return [(id, rows.get(id), [s for s in found if s.effect.decision == id]) for id in ids]

@@ -1,0 +1,18 @@
+"""The page of decisions with a visible effect; the misprint of section 4.3.3.2 is always there."""
+
+from __future__ import annotations
+
+from ..effects import FIRST, by_decision
+from ..refraction import INDEX, last_printed_angle, refraction_plot
+from ..report import Report
+from .page import Page
+
+
+def pages(report: Report) -> list[Page]:
+    return [Page("effects.html", "effects.html.j2", {
+        "groups": by_decision(report.effects, report.decisions),
+        "misprint": FIRST,
+        "plot": refraction_plot(),
+        "index": INDEX,
+        "last": last_printed_angle(),
+    })]
