@@ -50,9 +50,22 @@ def _shown(effect: Effect, scene: SceneRecord | None, baseline: Run | None, vari
     return Shown(effect, scene, baseline, variant, missing)
 
 
-def by_decision(found: list[Shown], decisions: list[Decision]) -> list[tuple[str, Decision | None, list[Shown]]]:
-    """(id, the decision if it is a known one, its effects): the misprint first, then in the order of the decisions."""
+@dataclass(frozen=True)
+class Group:
+    """The effects of one decision."""
+
+    id: str
+    decision: Decision | None  # None: not one of those that the reference states
+    effects: list[Shown]
+
+    @property
+    def anchor(self) -> str:
+        return self.id if self.decision else slug(self.id)
+
+
+def by_decision(found: list[Shown], decisions: list[Decision]) -> list[Group]:
+    """The misprint first, whether or not its effect was measured, then in the order of the decisions."""
     rows = {d.id: d for d in decisions}
-    order = {id: k for k, id in enumerate([FIRST, *rows])}
+    order = {id: k for k, id in enumerate([FIRST, *(id for id in rows if id != FIRST)])}
     ids = sorted({FIRST, *(shown.effect.decision for shown in found)}, key=lambda id: (order.get(id, len(order)), id))
-    return [(id, rows.get(id), [s for s in found if s.effect.decision == id]) for id in ids]
+    return [Group(id, rows.get(id), [s for s in found if s.effect.decision == id]) for id in ids]

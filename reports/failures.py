@@ -8,6 +8,7 @@ from comparisons.stability.outcome import WRONG
 from comparisons.stability.results import FamilyRecord, Finding, MethodRecord, Point, Series, Stability
 
 from .law_plot import Law, laws
+from .names import slug
 from .numbers import Number, parts
 
 LETTERS = {"correct": "", "missed": "M", "false": "F", "wrong root": "R", "diverged": "D", "non-finite": "N",
@@ -54,6 +55,10 @@ class Family:
     findings: tuple[Finding, ...]
 
     @property
+    def anchor(self) -> str:
+        return f"family-{slug(self.record.id)}"
+
+    @property
     def variants(self) -> dict[str, str]:
         """Methods shown for comparison only: why each must fail."""
         return {row.method: row.wrong_variant for row in self.maps[0].rows if row.wrong_variant} if self.maps else {}
@@ -69,8 +74,9 @@ class Failures:
     overview: tuple[tuple[Family, tuple[Cell, ...]], ...]  # the worst cell of every method
 
     @property
-    def findings(self) -> list[Finding]:
-        return self.document.findings
+    def findings(self) -> list[tuple[Finding, Family | None]]:
+        known = {family.record.id: family for family in self.families}
+        return [(finding, known.get(finding.family)) for finding in self.document.findings]
 
 
 def failures(document: Stability) -> Failures:

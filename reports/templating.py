@@ -7,7 +7,6 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from . import scale
 from .cases import is_lower_bound, scene_page
 from .decisions import pieces
-from .names import slug
 from .numbers import parts
 from .pages.page import Page
 from .report import Report
@@ -19,8 +18,7 @@ STATIC = ("report.css", "report.js")
 def environment() -> Environment:
     templates = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined,
                             trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    templates.filters.update(parts=parts, metric=metric, sentence=sentence, pieces=pieces, slug=slug,
-                             page_of=scene_page)
+    templates.filters.update(parts=parts, metric=metric, sentence=sentence, pieces=pieces, page_of=scene_page)
     templates.tests.update(lower_bound=is_lower_bound)
     templates.globals.update(scale=scale, VERDICTS=VERDICTS, STATES=STATES, KEY_METRICS=KEY_METRICS)
     return templates

@@ -122,10 +122,13 @@ class _Report:
         if KINDS[row["kind"]] == "shadow":
             claims = f"light {a['light']:.9g}, proven {p['light']:.9g}"
         else:
-            claims = (f"object {a['index']} at t = {a['t']:.17g}, proven object {p['index']} at t = {p['t']:.17g} "
-                      f"within {row['radius']:.1e}")
+            claims = f"{_hit(a)}, proven {_hit(p)} within {row['radius']:.1e}"
         return (f"pixel ({y}, {x}), generation {row['generation']}, from {numbers(row['o'])} "
                 f"along {numbers(row['d'])}: {claims}")
+
+
+def _hit(answer) -> str:
+    return "nothing" if answer["index"] == NOTHING else f"object {answer['index']} at t = {answer['t']:.17g}"
 
 
 def _tell_faults(report: _Report, census: Census, audited: World, proofs: World) -> None:

@@ -24,27 +24,28 @@ def _census(c: Certificate) -> list[str]:
             values = (k.rays, k.hits, k.misses, k.settled, k.undecided, k.wrong, k.refused)
             lines.append(f"  {kind:<12}" + "".join(f"{v:>14,}" for v in values))
     share = c.undecided_rays / c.rays if c.rays else 0.0
-    lines.append(f"  undecided: {share:.1e} of all rays; t is at most {c.largest_gap:.1e} off the proven one, "
-                 f"whose enclosure is at most {c.largest_radius:.1e} wide either way")
-    return lines
+    return lines + ["", f"  undecided: {share:.1e} of all rays",
+                    f"  distances: at most {c.largest_gap:.1e} off the proven one, which holds within at most "
+                    f"{c.largest_radius:.1e}"]
 
 
 def _audit(a: Audit) -> list[str]:
     kinds = ", ".join(f"{n} {kind}" for kind, n in a.by_kind.items())
     undecided = sum(a.undecided.values())
-    lines = [f"  audit: {a.rays:,} rays decided exactly ({kinds}; {a.at_edges} at edges): {a.contradictions} proofs "
-             f"contradicted, {a.wrong} wrong, {undecided} undecided, {a.touching} touch an object without crossing it",
-             f"         t is at most {a.largest_error:.1e} off the exact one; proven t use up to {a.largest_share:.0%} "
+    lines = [f"  audit:     {a.rays:,} rays decided exactly ({kinds}; {a.at_edges} at edges)",
+             f"             {a.contradictions} proofs contradicted, {a.wrong} wrong, {undecided} undecided; "
+             f"{a.touching} touch an object without crossing it",
+             f"             t at most {a.largest_error:.1e} off the exact one; proven t use up to {a.largest_share:.0%} "
              "of their enclosures"]
-    return lines + [f"         undecided: {n} rays, {reason}" for reason, n in a.undecided.items()]
+    return lines + [f"             undecided: {n} rays, {reason}" for reason, n in a.undecided.items()]
 
 
 def _paths(p: PathErrors) -> list[str]:
-    lines = [f"  paths: {p.paths} pixels recomputed with 77 digits ({p.rays:,} rays, up to generation {p.deepest}): "
-             f"colours differ by at most {p.largest_error:.1e}; {p.above_bar} by more than {p.bar:.0e}"]
-    lines += [f"         {p.not_tried}"] if p.not_tried else []
-    lines += [f"         near-critical: {text}" for text in p.near_critical]
-    return lines + [f"         wrong: {text}" for text in p.wrong]
+    lines = [f"  paths:     {p.paths} pixels recomputed with 77 digits ({p.rays:,} rays, up to generation {p.deepest})",
+             f"             colours at most {p.largest_error:.1e} off; {p.above_bar} off by more than {p.bar:.0e}"]
+    lines += [f"             {p.not_tried}"] if p.not_tried else []
+    lines += [f"             near-critical: {text}" for text in p.near_critical]
+    return lines + [f"             wrong: {text}" for text in p.wrong]
 
 
 def _list(title: str, findings: list[Finding]) -> list[str]:
