@@ -49,8 +49,10 @@ def paint(error: np.ndarray, mismatch: np.ndarray, undecided: np.ndarray) -> np.
     What cannot be measured outranks what can: not finite, then undecided, then another object, then the error.
     """
     finite = np.isfinite(error)
-    pixels = TABLE[level(np.where(finite, error, HIGH))]
-    pixels[finite & (error == 0)] = EXACT
+    pixels = np.empty((*error.shape, 3), np.uint8)
+    pixels[:] = EXACT
+    differs = finite & (error != 0)  # most pixels are equal and need no logarithm
+    pixels[differs] = TABLE[level(error[differs])]
     pixels[mismatch] = MISMATCH
     pixels[undecided] = UNDECIDED
     pixels[~finite] = NON_FINITE

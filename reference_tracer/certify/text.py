@@ -11,7 +11,8 @@ def told(c: Certificate) -> str:
     """The certificate for people to read, without a newline at its end."""
     samples = f", {c.samples} x {c.samples} samples a pixel" if c.samples > 1 else ""
     verdict = "holds" if c.passed else "DOES NOT HOLD"
-    lines = [f"{c.scene}, {c.width} x {c.height}{samples}, method {c.method}: {verdict}", "", *_census(c), "", *_audit(c.audit), *_paths(c.paths)]
+    lines = [f"{c.scene}, {c.width} x {c.height}{samples}, method {c.method}: {verdict}", "",
+             *_census(c), *_audit(c.audit), *_paths(c.paths)]
     lines += _list("Wrong:", c.findings) + _list("Undecided by proof:", c.undecided)
     return "\n".join(lines)
 

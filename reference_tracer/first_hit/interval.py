@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import drjit as dr
@@ -43,7 +44,10 @@ class IntervalMethod:
         found = scan.count > 0
         t, iterations = safeguarded_newton(lambda t: solid.slope_at(ray, t, solid.regular), scan.t, scan.end, inside,
                                            found)
-        return Crossing(found, t, t, scan.undecided, 3 * scan.segments + 2 * iterations)
+        # where f is still zero a good way behind the root it has underflowed: its sign says nothing
+        step = math.sqrt(dr.epsilon(type(t))) * dr.maximum(1, dr.abs(t))
+        flat = found & (solid.regular(*ray.at(t + step)) == 0)
+        return Crossing(found, t, t, scan.undecided | flat, 3 * scan.segments + 2 * iterations)
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
         scan = self._scan(solid, ray, inside, limit, only_first)

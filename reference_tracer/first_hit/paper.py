@@ -29,7 +29,7 @@ class Paper:
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         h = self.step_size
         entry, leave = solid.span(ray, limit)
-        step = self._steps_skipped(solid, ray, inside, entry)
+        step = self._steps_skipped(solid, ray, inside, entry, limit)
         t_end = self._end(solid, inside, entry, leave, limit)
         t = dr.minimum(step * h, limit)
         now_inside = type(inside)(inside)
@@ -58,7 +58,7 @@ class Paper:
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
         h = self.step_size
         entry, leave = solid.span(ray, limit)
-        step = self._steps_skipped(solid, ray, inside, entry)
+        step = self._steps_skipped(solid, ray, inside, entry, limit)
         t = dr.minimum(step * h, limit)
         side = type(inside)(inside)
         count = dr.zeros(type(self.max_iterations))
@@ -72,14 +72,14 @@ class Paper:
             counting = ~(only_first & (count > 0))
         return count, dr.zeros(type(inside))
 
-    def _steps_skipped(self, solid, ray, inside, entry):
+    def _steps_skipped(self, solid, ray, inside, entry, limit):
         """The number of steps whose signs are known without looking: before the box, or before the root of a parabola.
 
         One step too few is skipped, so that rounding of entry or root does not matter.
         """
         if solid.box is not None:
             known = dr.select(inside == solid.far_inside, entry, 0)
-        elif parabola := Parabola.along(solid, ray):
+        elif parabola := Parabola.along(solid, ray, limit):
             known = dr.minimum(parabola.next_crossing(inside), UNREACHABLE)
         else:
             known = dr.zeros(type(entry))

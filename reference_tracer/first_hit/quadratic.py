@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import drjit as dr
 
-from ..numbers import Polynomial
+from ..numbers import OutwardInterval, Polynomial
 from .interface import Crossing, LocalRay, Solid
 
 
@@ -21,26 +21,44 @@ class Parabola:
     far_inside: object  # Bool, g < 0 as t goes to infinity
 
     @staticmethod
-    def along(solid: Solid, ray: LocalRay) -> Parabola | None:
-        """The parabola of each ray; None where the solid's polynomial is of higher degree or missing."""
+    def along(solid: Solid, ray: LocalRay, limit) -> Parabola | None:
+        """The parabola of each ray; None where the solid's polynomial is of higher degree or missing.
+
+        Its coefficients are taken about the vertex, or the end of (0, limit) nearest to it: there they have the digits
+        that c = f(o) loses far away. They are divided by the largest, so that the scale of f does not matter.
+        """
         if solid.polynomial is None:
             return None
-        # Expanding about the point nearest to the surface's centre keeps the digits that c = f(o) loses far away.
-        nearest = -dr.dot(ray.o, ray.d)
-        coefficients = solid.polynomial(*Polynomial.along(ray.at(nearest), ray.d)).c
+        middle = dr.clip(-dr.dot(ray.o, ray.d), 0, limit)  # nearest to the centre of the surface's frame
+        coefficients = solid.polynomial(*Polynomial.along(ray.at(middle), ray.d)).c
         if len(coefficients) > 3:
             return None
-        c, b = coefficients[0], 0.5 * coefficients[1]
+        if len(coefficients) == 3:  # the vertex need not be there: a formula may hold an offset of its own
+            vertex = middle - 0.5 * coefficients[1] / coefficients[2]
+            middle = dr.clip(dr.select(dr.isfinite(vertex), vertex, middle), 0, limit)
+            coefficients = solid.polynomial(*Polynomial.along(ray.at(middle), ray.d)).c
+        largest = dr.abs(coefficients[0])
+        for coefficient in coefficients[1:]:
+            largest = dr.maximum(largest, dr.abs(coefficient))
+        scaled = [coefficient / dr.select(largest > 0, largest, 1) for coefficient in coefficients]
+        c, b = scaled[0], 0.5 * scaled[1]
         # + 0.0 turns -0.0 into +0.0: a plane is the limit of a parabola that opens upwards, its far root at infinity
-        a = coefficients[2] + 0.0 if len(coefficients) > 2 else dr.zeros(type(c))
+        a = scaled[2] + 0.0 if len(scaled) == 3 else dr.zeros(type(c))
         discriminant = dr.fma(b, b, -a * c)
         q = -(b + dr.copysign(dr.sqrt(dr.maximum(discriminant, 0)), b))
         # q / a and c / q are the two roots without cancellation; q = 0 only for the double root 0
         first = q / a
         second = dr.select(q == 0, first, c / q)
         first = dr.select((q == 0) & (a != 0), 0, first)
-        return Parabola(low=nearest + dr.minimum(first, second), high=nearest + dr.maximum(first, second),
-                        vertex=nearest - b / a, real=discriminant > 0, far_inside=a < 0)
+        return Parabola(low=middle + dr.minimum(first, second), high=middle + dr.maximum(first, second),
+                        vertex=middle - b / a, real=discriminant > 0, far_inside=a < 0)
+
+    def touches(self, solid: Solid, ray: LocalRay, inside, limit):
+        """Whether g at the vertex, on a ray that might only touch, is zero up to rounding (Bool)."""
+        ahead = (inside == self.far_inside) & (self.vertex > 0) & (self.vertex < limit)
+        t = OutwardInterval(dr.select(ahead, self.vertex, 0))
+        g = OutwardInterval.of(solid.polynomial(*(t * ray.d[k] + ray.o[k] for k in range(3))))
+        return ahead & ~g.excludes_zero()
 
     def next_crossing(self, inside):
         """The t of the first change of side of a ray on side `inside`; infinity where there is none (Float)."""
@@ -61,20 +79,20 @@ class Quadratic:
     name = "quadratic"
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
-        parabola = Parabola.along(solid, ray)
+        parabola = Parabola.along(solid, ray, limit)
         t = parabola.next_crossing(inside)
-        found = t <= limit
-        return Crossing(found, self._polish(solid, ray, t, parabola), t, dr.zeros(type(found)),
-                        dr.full(dr.uint32_array_t(type(t)), 5))
+        return Crossing(t <= limit, self._polish(solid, ray, t, parabola), t, parabola.touches(solid, ray, inside, limit),
+                        dr.full(dr.uint32_array_t(type(t)), 6))
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
-        parabola = Parabola.along(solid, ray)
+        parabola = Parabola.along(solid, ray, limit)
         first = parabola.next_crossing(inside)
         enters = inside == parabola.far_inside
         crosses = first < limit
         again = crosses & enters & (parabola.high < limit)
         UInt = dr.uint32_array_t(type(limit))
-        return dr.select(again, UInt(2), dr.select(crosses, UInt(1), 0)), dr.zeros(type(crosses))
+        count = dr.select(again, UInt(2), dr.select(crosses, UInt(1), 0))
+        return count, parabola.touches(solid, ray, inside, limit)
 
     @staticmethod
     def _polish(solid: Solid, ray: LocalRay, t, parabola: Parabola):

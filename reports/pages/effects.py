@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from ..effects import FIRST, by_decision
-from ..refraction import INDEX, last_printed_angle, refraction_plot
+from ..refraction import INDEX, last_printed_angle, printed_direction, refracted, refraction_plot
 from ..report import Report
 from .page import Page
 
 
+ANGLE = 30.0  # of incidence, degrees: the example in the text
+
+
 def pages(report: Report) -> list[Page]:
+    length, direction = printed_direction(ANGLE)
     return [Page("effects.html", "effects.html.j2", {
         "groups": by_decision(report.effects, report.decisions),
         "misprint": FIRST,
         "plot": refraction_plot(),
         "index": INDEX,
         "last": last_printed_angle(),
+        "example": {"angle": ANGLE, "length": length, "off": direction - refracted(ANGLE, 1 / INDEX)},
     })]

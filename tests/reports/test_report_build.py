@@ -69,7 +69,7 @@ def sphere_page(html: Path) -> Page:
 
 def test_every_link_and_picture_is_there(html):
     pages = {path: Page(path) for path in page_files(html)}
-    assert len(pages) == 4  # index, decisions, two scenes
+    assert len(pages) == 5  # index, effects, decisions, two scenes; no stability document, no page of it
     for path, page in pages.items():
         assert len(page.ids) == len(set(page.ids))
         for link in page.links:
@@ -178,11 +178,18 @@ def test_files_of_an_earlier_report_disappear(folder, html):
 
 def test_an_interrupted_build_leaves_the_earlier_report(folder, html, monkeypatch):
     before = contents(html)
+    change(folder)
     monkeypatch.setattr(assemble, "all_pages", lambda report: interrupt())
     with pytest.raises(KeyboardInterrupt):
         reports.build(folder, html)
     assert contents(html) == before
     assert [p.name for p in html.parent.iterdir() if p.name.startswith(".")] == []
+
+
+def change(folder: Path):
+    """The same results, but other bytes: a report of them has to be built anew."""
+    path = folder / "results.json"
+    path.write_text(path.read_text() + "\n")
 
 
 def interrupt():
