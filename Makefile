@@ -11,6 +11,7 @@ BIN    := $(VENV)/bin
 report: $(VENV)/installed
 	@# exit code 1 says that something differs, which is what the report is for
 	@$(BIN)/raytruth compare || [ $$? -eq 1 ]
+	@$(BIN)/raytruth stability || [ $$? -eq 1 ]
 	@$(BIN)/raytruth report
 	@echo "open reports/html/index.html"
 
