@@ -10,8 +10,8 @@ import drjit as dr
 
 from . import first_hit
 from .backend import Backend
-from .families import BOX_MARGIN, Family, Member  # noqa: F401
-from .placement import is_inside, rotation_matrix  # noqa: F401
+from .families import Family, Member
+from .placement import is_inside
 from .rays import Hit, Ray, Sides
 from .scene.model import Scene
 

@@ -25,8 +25,9 @@ def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *,
           progress: Callable[[float], None] | None = None) -> Path:
     """Makes the report of the results in `results_folder`; returns the path of its first page.
 
-    The same results give the same bytes, and a report made from the same results is left as it is. An earlier report in `output_folder` is replaced as a whole, and stays as it
-    is until the new one is complete. `progress` is called with the finished fraction. Raises InputError.
+    The same results give the same bytes, and a report made from the same results is left as it is. An earlier
+    report in `output_folder` is replaced as a whole, and stays as it is until the new one is complete. `progress` is
+    called with the finished fraction. Raises InputError.
     """
     results_folder, output = Path(results_folder), Path(output_folder).resolve()
     results = documents.read(results_folder)

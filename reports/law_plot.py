@@ -26,7 +26,8 @@ class Law:
     counts: str  # what the rate counts, in words
     methods: tuple[str, ...]
     holds: bool
-    plot: Plot | None  # None: nothing must fail, and nothing did; a sentence says that
+    plot: Plot | None  # None: the rate is `always` the same, by theory and as measured; a sentence says that
+    always: float | None
 
 
 def laws(family: FamilyRecord) -> list[Law]:
@@ -41,11 +42,11 @@ def laws(family: FamilyRecord) -> list[Law]:
 
 def _law(family: FamilyRecord, members: list[LawRecord], anchor: str) -> Law:
     first = members[0]
-    never = all(rate == 0 for _, rate in first.curve) and all(p.expected == p.measured == 0 for m in members
-                                                              for p in m.points)
-    counts = "wrong answers" if set(first.kinds) == set(WRONG) else " or ".join(first.kinds)
-    return Law(first.sentence, counts, tuple(law.method for law in members), first.holds,
-               None if never else _plot(family, members, counts, anchor))
+    rates = {rate for _, rate in first.curve} | {r for m in members for p in m.points for r in (p.expected, p.measured)}
+    always = next(iter(rates)) if len(rates) == 1 and rates <= {0.0, 1.0} else None
+    counts = "wrong answers" if set(first.kinds) == set(WRONG) else f"{' or '.join(first.kinds)} answers"
+    plot = _plot(family, members, counts, anchor) if always is None else None
+    return Law(first.sentence, counts, tuple(law.method for law in members), first.holds, plot, always)
 
 
 def _plot(family: FamilyRecord, members: list[LawRecord], counts: str, anchor: str) -> Plot:

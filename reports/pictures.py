@@ -1,4 +1,4 @@
-"""The picture files of a report: each run's pictures once, four error maps a comparison, one an effect of a decision."""
+"""The picture files of a report: each run's pictures once; error maps, four a comparison, one an effect."""
 
 from __future__ import annotations
 
@@ -110,7 +110,8 @@ def _write_case(case: Case, planes: dict[str, Planes], missing: dict[str, str], 
 
 
 def _write_effect(shown: Shown, planes: dict[str, Planes], missing: dict[str, str], report: Path) -> Maps:
-    problem = shown.missing or _problem(("run with the decision", shown.baseline), ("run without it", shown.variant), planes, missing)
+    sides = ("run with the decision", shown.baseline), ("run without it", shown.variant)
+    problem = shown.missing or _problem(*sides, planes, missing)
     if problem:
         return Maps({}, problem)
     errors = maps.errors(planes[shown.baseline.key], planes[shown.variant.key])

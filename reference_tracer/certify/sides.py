@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import drjit as dr
 
+from ..families import Family
 from ..numbers import Dual, OutwardInterval
 from ..rays import Ray
-from ..world import Family, World
+from ..world import World
 
 NEARNESS = 2.0**-40  # of the coordinates' size: a ray that starts so close to a surface may have started on it
 SMOOTHNESS = 2.0**-20  # change of grad f within that distance, relative, above which it is a kink

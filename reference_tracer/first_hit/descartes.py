@@ -3,31 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import drjit as dr
 
 from ..numbers import Polynomial
-from .interface import Crossing, LocalRay, Solid
-from .refine import safeguarded_newton
+from .interface import LocalRay, Solid
+from .segments import Scan, SegmentMethod
 
 MOST_SEGMENTS = 500
 NOISE = 2.0**7  # units of rounding in a Bernstein coefficient, relative to the sum of the terms' absolute values
 NARROWEST = 2.0**-7  # of the width at which a pair of roots drowns in that rounding, sqrt(NOISE)
 
 
-@dataclass
-class _Scan:
-    """Where the scan of a ray stopped."""
-
-    t: object  # Float, start of the bracket
-    end: object  # Float, end of the bracket
-    count: object  # UInt, crossings found
-    undecided: object  # Bool
-    segments: object  # UInt, segments looked at
-
-
-class Descartes:
+class Descartes(SegmentMethod):
     """Walks along the ray polynomial g on segments [u, u + w] of the range in which the ray may meet the solid.
 
     The number of sign changes among the Bernstein coefficients of g on a segment exceeds the number of its roots there
@@ -38,21 +26,10 @@ class Descartes:
     """
 
     name = "descartes"
-
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
-        scan = self._scan(solid, ray, inside, limit, only_first=dr.mask_t(limit)(True))
-        found = scan.count > 0
-        # f itself, not its coefficients, which lose digits: a root of f to the last one
-        t, iterations = safeguarded_newton(lambda t: solid.slope_at(ray, t, solid.regular), scan.t, scan.end, inside,
-                                           found)
-        return Crossing(found, t, t, scan.undecided, scan.segments + 2 * iterations)
-
-    def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
-        scan = self._scan(solid, ray, inside, limit, only_first)
-        return scan.count, scan.undecided
+    evaluations = 1
 
     @dr.syntax
-    def _scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> _Scan:
+    def scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> Scan:
         Float, Bool, UInt = type(limit), dr.mask_t(limit), dr.uint32_array_t(type(limit))
         start, stop = solid.search_range(ray, inside, limit)
         scale = dr.maximum(stop - start, 0)
@@ -86,7 +63,7 @@ class Descartes:
             w = dr.select(moves, 2 * w, dr.select(stays, w, 0.5 * w))
             active = ~stays & (u < 1) & (segments < MOST_SEGMENTS)
         undecided |= segments >= MOST_SEGMENTS
-        return _Scan(dr.fma(u, scale, start), dr.fma(dr.minimum(u + w, 1), scale, start), count, undecided, segments)
+        return Scan(dr.fma(u, scale, start), dr.fma(dr.minimum(u + w, 1), scale, start), count, undecided, segments)
 
 
 def _bernstein(a, u, w, noise):

@@ -2,31 +2,17 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
-
 import drjit as dr
 
 from ..numbers import Interval
-from .interface import Crossing, LocalRay, Solid
-from .refine import safeguarded_newton
+from .interface import LocalRay, Solid
+from .segments import Scan, SegmentMethod
 
 NARROWEST = 2.0**10  # units of rounding; the relative width below which a segment is not divided any more
 MOST_SEGMENTS = 20_000
 
 
-@dataclass
-class _Scan:
-    """Where the scan of a ray stopped."""
-
-    t: object  # Float, start of the bracket
-    end: object  # Float, end of the bracket
-    count: object  # UInt, crossings found
-    undecided: object  # Bool
-    segments: object  # UInt, segments looked at
-
-
-class IntervalMethod:
+class IntervalMethod(SegmentMethod):
     """Looks at segments [t, t + w] front to back, doubling w after a segment without crossing and halving it otherwise.
 
     A segment holds no crossing if an enclosure of g excludes zero, or if g' does (g is monotone) and the end is still
@@ -38,23 +24,10 @@ class IntervalMethod:
 
     name = "interval"
     number: type[Interval] = Interval
-
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
-        scan = self._scan(solid, ray, inside, limit, only_first=dr.mask_t(limit)(True))
-        found = scan.count > 0
-        t, iterations = safeguarded_newton(lambda t: solid.slope_at(ray, t, solid.regular), scan.t, scan.end, inside,
-                                           found)
-        # where f is still zero a good way behind the root it has underflowed: its sign says nothing
-        step = math.sqrt(dr.epsilon(type(t))) * dr.maximum(1, dr.abs(t))
-        flat = found & (solid.regular(*ray.at(t + step)) == 0)
-        return Crossing(found, t, t, scan.undecided | flat, 3 * scan.segments + 2 * iterations)
-
-    def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
-        scan = self._scan(solid, ray, inside, limit, only_first)
-        return scan.count, scan.undecided
+    evaluations = 3
 
     @dr.syntax
-    def _scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> _Scan:
+    def scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> Scan:
         Float, Bool, UInt = type(limit), dr.mask_t(limit), dr.uint32_array_t(type(limit))
         start, stop = solid.search_range(ray, inside, limit)
         t, end, w = Float(start), Float(start), stop - start
@@ -93,7 +66,7 @@ class IntervalMethod:
             w = dr.select(moves, 2 * w, dr.select(stays, w, 0.5 * w))
             active = ~stays & ~(narrow & ~known) & (t < stop) & (segments < MOST_SEGMENTS)
         undecided |= segments >= MOST_SEGMENTS
-        return _Scan(t, end, count, undecided, segments)
+        return Scan(t, end, count, undecided, segments)
 
     def _end_of_segment(self, solid: Solid, ray: LocalRay, end):
         """g at `end`, whether that point is inside, and whether it is outside."""

@@ -12,6 +12,7 @@ from .page import Page
 def pages(report: Report) -> list[Page]:
     if report.failures is None:
         return []
-    legend = [(kind, Cell(kind, 0.0 if kind == "correct" else 100.0, ""), report.failures.document.kinds.get(kind, means))
+    told = report.failures.document.kinds
+    legend = [(kind, Cell(kind, 0.0 if kind == "correct" else 100.0, ""), told.get(kind, means))
               for kind, means in KINDS.items()]
     return [Page("stability.html", "stability.html.j2", {"failures": report.failures, "legend": legend})]

@@ -114,8 +114,8 @@ MUTANTS = {
         "t = dr.select(finite, dr.clip(t - dt, step_end - h, step_end), t)",
         decisions.test_M6_newton_runs_as_written, (1e-12, 20)),
     "M7 exact keeps silent": Mutant(
-        "return _Scan(t, end, count, undecided, segments)",
-        "return _Scan(t, end, count, Bool(False), segments)",
+        "return Scan(t, end, count, undecided, segments)",
+        "return Scan(t, end, count, Bool(False), segments)",
         decisions.test_M7_the_exact_method_says_that_it_cannot_tell, ("1 + sqrt(4 - z)",)),
     # section 4.3
     "N1 not turned": Mutant(

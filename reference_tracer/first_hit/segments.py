@@ -1,0 +1,47 @@
+"""What methods share that walk along a ray in segments: isolate a crossing first, refine it then."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import drjit as dr
+
+from .interface import Crossing, LocalRay, Solid
+from .refine import safeguarded_newton
+
+
+@dataclass
+class Scan:
+    """Where the walk along a ray stopped."""
+
+    t: object  # Float, start of the bracket
+    end: object  # Float, end of the bracket
+    count: object  # UInt, crossings found
+    undecided: object  # Bool
+    segments: object  # UInt, segments looked at
+
+
+class SegmentMethod:
+    """First hits and crossings from `scan`, which a subclass gives."""
+
+    evaluations: int  # of f, for each segment
+
+    def scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> Scan:
+        """Walks along (0, limit] to the bracket of the first crossing, or past all where not `only_first`."""
+        raise NotImplementedError
+
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+        scan = self.scan(solid, ray, inside, limit, only_first=dr.mask_t(limit)(True))
+        found = scan.count > 0
+        # on f itself, or its regular form, whatever the bracket was found with: a root of f to the last digit
+        t, iterations = safeguarded_newton(lambda t: solid.slope_at(ray, t, solid.regular), scan.t, scan.end, inside,
+                                           found)
+        # where f is still zero a good way behind the root it has underflowed: its sign says nothing
+        step = math.sqrt(dr.epsilon(type(t))) * dr.maximum(1, dr.abs(t))
+        flat = found & (solid.regular(*ray.at(t + step)) == 0)
+        return Crossing(found, t, t, scan.undecided | flat, self.evaluations * scan.segments + 2 * iterations + 1)
+
+    def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
+        scan = self.scan(solid, ray, inside, limit, only_first)
+        return scan.count, scan.undecided
