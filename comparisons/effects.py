@@ -29,9 +29,10 @@ def _share(m: dict) -> str:
 
 
 ALTERNATIVES = (
-    *(Alternative("E1", name, "the sine of the refraction angle as printed", {"refraction": "as_printed"},
-                  "exact", lambda m: f"The printed formula bends light the wrong way round: {_share(m)}. Where its sine exceeds 1 "
-                            "there is no direction at all, and the ray sees the background.")
+    *(Alternative("E1", name, "the sine of the refraction angle as printed", {"refraction": "as_printed"}, "exact",
+                  lambda m: f"The printed formula bends light the wrong way round: {_share(m)}. Where its sine exceeds 1 "
+                            "there is no direction at all: such rays see the background, and their pixels are marked "
+                            "undecided.")
       for name in ("figure-10-refraction-n0.8", "figure-16-refraction-n1.4")),
     Alternative("E1", "figure-12-refraction-n1.0", "the sine of the refraction angle as printed",
                 {"refraction": "as_printed"}, "exact",
