@@ -21,7 +21,7 @@ from pathlib import Path
 def add_arguments(parser):
     parser.add_argument("scene", help="name of a shipped scene or path of a scene file")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="ends in .png, .exr or .npz")
-    parser.add_argument("--method", default="exact", help="first-hit method: exact (default), paper, interval")
+    parser.add_argument("--method", default="exact", help="first-hit method: exact (default), paper, descartes, interval, proof")
     parser.add_argument("--with", dest="renderer", metavar="RENDERER",
                         help="another renderer: mitsuba-native or mitsuba-mesh")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="KEY=VALUE",

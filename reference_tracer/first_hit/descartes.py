@@ -83,7 +83,10 @@ def _bernstein(a, u, w, noise):
         power = power * w
     b, certain = [shifted[0]], dr.mask_t(w)(True)
     for j in range(1, n + 1):
-        b.append(sum((shifted[i] * math.comb(n - i, j - i) for i in range(1, j + 1)), shifted[0] * math.comb(n, j)))
+        value = shifted[j]
+        for i in range(j):
+            value = dr.fma(shifted[i], math.comb(n - i, j - i), value)
+        b.append(value)
         certain &= dr.abs(b[j]) > noise * math.comb(n, j)
     return b, certain
 
