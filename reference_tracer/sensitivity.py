@@ -22,7 +22,7 @@ from .wavefront import Wave
 UNIT = {64: 2.0**-53, 32: 2.0**-24}  # of rounding
 ORIGIN_UNITS, DIRECTION_UNITS = 8.0, 4.0  # what a few dozen rounded operations leave in a hit point and a direction
 PROBES = 8
-SAFETY = 4.0  # a further perturbation exceeds the largest of eight by this factor only if the colour jumps
+SAFETY = 3.0  # a further perturbation exceeds the largest of eight by this factor only if the colour jumps
 FLOOR_UNITS = 64.0  # rounding of the shading itself, relative to 1 + colour
 
 OBJECT, LIGHT, TOTAL_REFLECTION = 1, 2, 4  # discrete risks: bits of the risk plane
