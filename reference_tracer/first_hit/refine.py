@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import drjit as dr
 
 
@@ -13,11 +11,10 @@ def safeguarded_newton(slope_at, low, high, inside, active, most: int = 80):
 
     Newton's step where it stays inside the bracket and at least halves the previous one, bisection elsewhere
     (rtsafe in Press et al., Numerical Recipes). Stops when a step is below 8 units of rounding of
-    max(1, |t|) (decision M6), or when a Newton step is below half their root: the next one would be below them,
-    because the error is squared. Returns t and the number of iterations. `slope_at(t)` gives g(t) and g'(t).
+    max(1, |t|) (decision M6), not earlier: a small step is a sign of a small error only near a simple root.
+    Returns t and the number of iterations. `slope_at(t)` gives g(t) and g'(t).
     """
     tolerance = 8 * dr.epsilon(type(low))
-    newton_tolerance = 0.5 * math.sqrt(dr.epsilon(type(low)))
     t = 0.5 * (low + high)
     low, high = type(t)(low), type(t)(high)
     last_step = high - low
@@ -34,6 +31,5 @@ def safeguarded_newton(slope_at, low, high, inside, active, most: int = 80):
         last_step = dr.abs(candidate - t)
         t = dr.select(g == 0, t, candidate)
         iterations += 1
-        enough = dr.select(accept, newton_tolerance, tolerance) * dr.maximum(1, dr.abs(t))
-        active = (g != 0) & (last_step > enough) & (iterations < most)
+        active = (g != 0) & (last_step > tolerance * dr.maximum(1, dr.abs(t))) & (iterations < most)
     return t, iterations
