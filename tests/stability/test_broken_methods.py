@@ -74,3 +74,10 @@ def test_a_method_with_another_step_breaks_the_laws_of_the_stated_one():
         family, = families.find([name])
         assert all(law.holds for law in suite.examine(family, [PAPER], 400)[0].laws)
         assert not all(law.holds for law in suite.examine(family, [coarse], 400)[0].laws)
+
+
+def test_methods_that_claim_exactness_are_not_wrong_unflagged_on_hard_roots():
+    """A root that is refined too little, because a small step was taken for a small error, shows here first."""
+    claiming = [m for m in METHODS if m.name in ("exact", "proof")]
+    _, findings = _findings(["root-set", "multiple-root", "translated", "scaled-f", "grazing"], claiming, rays=100)
+    assert not findings, [f.sentence for f in findings]
