@@ -15,7 +15,6 @@ contradicts.
 from __future__ import annotations
 
 import json
-import sys
 
 from .render import size
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 from flint import arb, fmpq
 
-from ..numbers.exact import RationalPolynomial, Series, rational
+from ..numbers.exact import Series, rational
 from ..scene.model import Object, Rotation, Scene
 from .line import Line, follow
 from .records import NOTHING, PRIMARY, REFLECTION, REFRACTION
