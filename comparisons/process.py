@@ -43,7 +43,7 @@ class Worker:
             return {"state": "crashed", "message": self._obituary()}
         try:
             answer = json.loads(line)
-            if answer["state"] not in ("ok", "crashed", "refused"):
+            if answer["state"] not in ("ok", "crashed", "refused", "missing"):
                 raise ValueError
             return answer
         except (ValueError, KeyError, TypeError):

@@ -5,25 +5,21 @@
 
 from __future__ import annotations
 
-import json
-import os
 from pathlib import Path
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import Field
 
-from reference_tracer.errors import InputError
+from . import document
+from .document import Record
 
 VERSION = 1
 FILE = "results.json"
 RUNS = "runs"
 
 State = Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
+BROKEN = ("crashed", "timeout", "malformed")  # faults; "refused" and "missing" are answers
 Verdict = Literal["agrees", "differs", "expected", "not compared"]
-
-
-class Record(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
 
 
 class Machine(Record):
@@ -151,31 +147,9 @@ class Results(Record):
 
 
 def write(results: Results, folder: Path) -> Path:
-    """Replaces `folder`/results.json in one step, so that an interrupted write loses nothing."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / FILE
-    part = path.with_suffix(".part")
-    part.write_text(results.model_dump_json(indent=1), encoding="utf-8")
-    os.replace(part, path)
-    return path
+    return document.write(results, folder / FILE)
 
 
 def read(folder: str | Path) -> Results:
     """The results in `folder`. Raises InputError in one line."""
-    path = Path(folder) / FILE
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); 'raytruth compare' makes it") from None
-    try:
-        version = json.loads(text).get("version")
-    except (ValueError, AttributeError):
-        raise InputError(f"{path}: is not a results document; make it again with 'raytruth compare'") from None
-    if version != VERSION:
-        raise InputError(f"{path}: has version {version}, this raytruth reads {VERSION}; run 'raytruth compare' again")
-    try:
-        return Results.model_validate_json(text)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"]))
-        raise InputError(f"{path}: {place}: {first['msg']}; make it again with 'raytruth compare'") from None
+    return document.read(Path(folder) / FILE, Results, "raytruth compare")

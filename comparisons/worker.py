@@ -21,7 +21,7 @@ def main() -> None:
 
 
 def _answer(request: dict) -> dict:
-    from reference_tracer.errors import InputError, UnsupportedError
+    from reference_tracer.errors import InputError, MissingError, UnsupportedError
     from reference_tracer.image_files import save_npz
     from reference_tracer.scene.load import parse_scene
 
@@ -37,6 +37,8 @@ def _answer(request: dict) -> dict:
         return {"state": "ok", "facts": facts}
     except UnsupportedError as error:
         return {"state": "refused", "message": str(error)}
+    except MissingError as error:
+        return {"state": "missing", "message": str(error)}
     except InputError as error:
         return {"state": "crashed", "message": str(error)}
     except Exception as error:  # the case fails, the suite goes on

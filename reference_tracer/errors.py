@@ -7,3 +7,7 @@ class InputError(ValueError):
 
 class UnsupportedError(InputError):
     """A scene asks for something that this part of raytruth cannot express; the text gives the reason."""
+
+
+class MissingError(InputError):
+    """A program or package that is not installed on this machine; the text says which, and how to install it."""

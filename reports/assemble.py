@@ -8,11 +8,11 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from comparisons import results as documents
-from comparisons.stability import results as stability
+from comparisons import results as comparison
 from reference_tracer.errors import InputError
 
 from . import mark, pictures, templating
+from .documents import read_all
 from .mark import MARK
 from .pages import all_pages
 from .report import arrange
@@ -30,9 +30,8 @@ def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *,
     called with the finished fraction. Raises InputError.
     """
     results_folder, output = Path(results_folder), Path(output_folder).resolve()
-    results = documents.read(results_folder)
-    methods = stability.read(results_folder) if (results_folder / stability.FILE).exists() else None
-    report = arrange(results, methods)
+    results = comparison.read(results_folder)
+    report = arrange(results, read_all(results_folder))
     _require_ours(output, results_folder.resolve())
     made_from = mark.fingerprint(results, results_folder)
     if mark.is_current(output, made_from):
@@ -76,7 +75,8 @@ def _write(report, results_folder: Path, folder: Path, progress: Callable[[float
             report.pictures[scene.name] = files
             progress(done / (len(scenes) + 1))
     templates = templating.environment()
-    files = {page.path: templating.rendered(templates, page, report) for page in all_pages(report)}
+    pages = all_pages(report)
+    files = {page.path: templating.rendered(templates, page, report, pages) for page in pages}
     for path, text in {**files, **templating.static(templates)}.items():
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_text(text, encoding="utf-8", newline="\n")

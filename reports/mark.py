@@ -6,16 +6,17 @@ import hashlib
 import json
 from pathlib import Path
 
-from comparisons import results as documents
+from comparisons import results as comparison
 from comparisons.machine import packages, source_hash
 from comparisons.results import Results
-from comparisons.stability import results as stability
+
+from .documents import READERS
 
 MARK = ".raytruth-report"  # a file in every report: a folder without it is not ours to replace
 
 
 def fingerprint(results: Results, folder: Path) -> str:
-    """A hash of all that can change a report: both documents, the sizes of the planes, all code, the packages.
+    """A hash of all that can change a report: the documents, the sizes of the planes, all code, the packages.
 
     Names of planes are hashes of what can change them, so that their contents need not be read.
     """
@@ -23,7 +24,7 @@ def fingerprint(results: Results, folder: Path) -> str:
     here = Path(__file__).parent
     for file in sorted(p for p in here.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
         digest.update(f"{file.relative_to(here).as_posix()} {file.stat().st_size}\n".encode() + file.read_bytes())
-    for name in (documents.FILE, stability.FILE):
+    for name in (comparison.FILE, *READERS):
         path = folder / name
         content = path.read_bytes() if path.is_file() else b""
         digest.update(f"{name} {path.is_file()} {len(content)}\n".encode() + content)

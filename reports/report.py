@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from comparisons.document import Record
 from comparisons.results import Results, Run, SceneRecord
-from comparisons.stability.results import Stability
 
 from . import cases
 from .cases import Case, Tally
 from .chart import Chart, chart
 from .decisions import Decision, read
 from .effects import FIRST, Shown, effects
-from .failures import Failures, failures
 from .pictures import ScenePictures
 
 
@@ -25,7 +24,7 @@ class Report:
     charts: list[Chart]
     decisions: list[Decision]
     effects: list[Shown]  # of decisions on a picture
-    failures: Failures | None  # of methods, if the stability suite has run
+    documents: dict[str, Record]  # name of the file: what else was measured; each may be missing
     pictures: dict[str, ScenePictures]  # name of the scene: its files; filled as they are written
 
     def of_scene(self, scene: SceneRecord) -> list[Case]:
@@ -48,8 +47,8 @@ class Report:
         return next((runs[key].files["color"] for key in keys if key in runs), None)
 
 
-def arrange(results: Results, stability: Stability | None = None) -> Report:
+def arrange(results: Results, documents: dict[str, Record] | None = None) -> Report:
     """Everything but the pictures. Raises InputError if the document contradicts itself."""
     found, failed = cases.cases(results), cases.failed_runs(results)
     return Report(results, found, failed, cases.tally(found, failed), [chart(s) for s in results.series], read(),
-                  effects(results), failures(stability) if stability else None, {})
+                  effects(results), documents or {}, {})

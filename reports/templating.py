@@ -24,8 +24,10 @@ def environment() -> Environment:
     return templates
 
 
-def rendered(templates: Environment, page: Page, report: Report) -> str:
-    return templates.get_template(page.template).render(report=report, root=page.root, path=page.path, **page.content)
+def rendered(templates: Environment, page: Page, report: Report, pages: list[Page]) -> str:
+    """`page` as HTML; `pages` are those its bar may lead to."""
+    return templates.get_template(page.template).render(
+        report=report, root=page.root, path=page.path, bar=[p for p in pages if p.nav], **page.content)
 
 
 def static(templates: Environment) -> dict[str, str]:

@@ -7,16 +7,14 @@ difficulty p, a point how many rays ended as which kind. A failure map of one fa
 
 from __future__ import annotations
 
-import json
-import os
 from pathlib import Path
 from typing import Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from reference_tracer.errors import InputError
-
-from ..results import Machine, Record
+from .. import document
+from ..document import Record
+from ..results import Machine
 from .outcome import CODE
 
 VERSION = 1
@@ -139,32 +137,10 @@ class Stability(Record):
         return next(f for f in self.families if f.id == id)
 
 
-def write(document: Stability, folder: Path) -> Path:
-    """Replaces `folder`/stability.json in one step."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / FILE
-    part = path.with_suffix(".part")
-    part.write_text(document.model_dump_json(indent=1), encoding="utf-8")
-    os.replace(part, path)
-    return path
+def write(stability: Stability, folder: Path) -> Path:
+    return document.write(stability, folder / FILE)
 
 
 def read(folder: str | Path) -> Stability:
     """The document in `folder`. Raises InputError in one line."""
-    path = Path(folder) / FILE
-    try:
-        text = path.read_text(encoding="utf-8")
-        version = json.loads(text).get("version")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); 'raytruth stability' makes it") from None
-    except (ValueError, AttributeError):
-        raise InputError(f"{path}: is not a stability document; make it again with 'raytruth stability'") from None
-    if version != VERSION:
-        raise InputError(f"{path}: has version {version}, this raytruth reads {VERSION}; "
-                         "make it again with 'raytruth stability'")
-    try:
-        return Stability.model_validate_json(text)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        place = ".".join(map(str, first["loc"]))
-        raise InputError(f"{path}: {place}: {first['msg']}; make it again with 'raytruth stability'") from None
+    return document.read(Path(folder) / FILE, Stability, "raytruth stability")

@@ -30,6 +30,7 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     from comparisons import renderers
+    from comparisons.results import BROKEN
     from comparisons.suite import COMPARED, Options, compare
     from reference_tracer.errors import InputError
     from reference_tracer.scene import library
@@ -50,8 +51,8 @@ def run(arguments) -> int:
         print(results.model_dump_json(indent=1))
     else:
         _tell(results, arguments.results)
-    failed = any(c.verdict in ("differs", "not compared") for c in results.comparisons)
-    return 1 if failed or any(not s.holds for s in results.series) else 0
+    broken = any(run.state in BROKEN for run in results.runs) or any(not s.holds for s in results.series)
+    return 1 if broken or any(c.verdict == "differs" for c in results.comparisons) else 0
 
 
 def _tell(results, folder) -> None:

@@ -7,4 +7,4 @@ from .page import Page
 
 
 def pages(report: Report) -> list[Page]:
-    return [Page("decisions.html", "decisions.html.j2")]
+    return [Page("decisions.html", "decisions.html.j2", nav="Decisions")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..effects import FIRST, by_decision
 from ..refraction import INDEX, last_printed_angle, printed_direction, refracted, refraction_plot
 from ..report import Report
-from .page import Page
+from .page import Page, Summary
 
 
 ANGLE = 30.0  # of incidence, degrees: the example in the text
@@ -20,4 +20,7 @@ def pages(report: Report) -> list[Page]:
         "index": INDEX,
         "last": last_printed_angle(),
         "example": {"angle": ANGLE, "length": length, "off": direction - refracted(ANGLE, 1 / INDEX)},
-    })]
+    }, nav="Effects", summary=Summary(
+        "What a decision changes",
+        "The document prints its formula for the angle of refraction the wrong way round, and leaves other questions open.",
+        "", "What each decision changes in a picture"))]

@@ -7,10 +7,22 @@ from pathlib import PurePosixPath
 
 
 @dataclass(frozen=True)
+class Summary:
+    """What the first page says of another one."""
+
+    title: str
+    text: str  # what is shown there
+    finding: str  # in one sentence, printed bold; "" where there is none
+    link: str  # the words that lead there
+
+
+@dataclass(frozen=True)
 class Page:
     path: str  # of the file, relative to the report
     template: str
-    content: dict = field(default_factory=dict)  # what the template sees besides `report`, `root` and `path`
+    content: dict = field(default_factory=dict)  # what the template sees besides `report`, `root`, `path` and `bar`
+    nav: str = ""  # its name in the bar at the top of every page; "" keeps it out
+    summary: Summary | None = None  # only of a page in the bar
 
     @property
     def root(self) -> str:

@@ -1,0 +1,53 @@
+"""Documents: what a suite leaves behind, one versioned JSON file each, for reports and other programs to read."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from reference_tracer.errors import InputError
+
+
+class Record(BaseModel):
+    """Base of everything in a document."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="constants")
+
+
+Document = TypeVar("Document", bound=Record)
+
+
+def write(document: Record, path: Path) -> Path:
+    """Replaces the file `path` in one step, so that an interrupted write loses nothing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_suffix(".part")
+    part.write_text(document.model_dump_json(indent=1), encoding="utf-8")
+    os.replace(part, path)
+    return path
+
+
+def read(path: Path, kind: type[Document], command: str) -> Document:
+    """The document in the file `path`, which `command` makes. Raises InputError in one line.
+
+    `kind` must have a field `version`; a document of another version is refused.
+    """
+    what, expected = f"a {path.stem} document", kind.model_fields["version"].default
+    try:
+        text = path.read_text(encoding="utf-8")
+        version = json.loads(text).get("version")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); '{command}' makes it") from None
+    except (ValueError, AttributeError):
+        raise InputError(f"{path}: is not {what}; make it again with '{command}'") from None
+    if version != expected:
+        raise InputError(f"{path}: has version {version}, this raytruth reads {expected}; make it again with '{command}'")
+    try:
+        return kind.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        place = ".".join(map(str, first["loc"]))
+        raise InputError(f"{path}: {place}: {first['msg']}; make it again with '{command}'") from None

@@ -1,0 +1,16 @@
+"""The documents a report is made of beside the results: each is optional, and its pages come with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from comparisons.document import Record
+from comparisons.stability import results as stability
+
+READERS: dict[str, Callable[[Path], Record]] = {stability.FILE: stability.read}
+
+
+def read_all(folder: Path) -> dict[str, Record]:
+    """The documents that `folder` holds, by the name of their file. Raises InputError for one that cannot be read."""
+    return {name: read(folder) for name, read in READERS.items() if (folder / name).exists()}
