@@ -29,7 +29,7 @@ def run(arguments) -> int:
     if arguments.show:
         print(library.find(arguments.show).model_dump_json(indent=1, by_alias=True, exclude_none=True))
         return 0
-    scenes = [library.find(name) for name in arguments.scene or library.names()]
+    scenes = [library.find(name) for name in arguments.scene or (*library.names(), *library.effects())]
     rows = [{"name": s.name, "title": s.title, "figure": s.figure, "width": s.camera.width, "height": s.camera.height,
              "objects": len(s.objects), "lights": len(s.lights), "samples": s.tracing.samples,
              "surfaces": sorted({o.surface.type for o in s.objects}), "hash": s.hash} for s in scenes]

@@ -1,4 +1,4 @@
-"""The scenes that come with raytruth: every picture of the document."""
+"""The scenes that come with raytruth: every picture of the document, and one scene for each effect of its model."""
 
 from __future__ import annotations
 
@@ -9,25 +9,36 @@ from ..errors import InputError
 from .load import load_scene, parse_scene
 from .model import Scene
 
-_DOCUMENTS = files(__package__) / "documents"
+_DOCUMENTS, _EFFECTS = files(__package__) / "documents", files(__package__) / "effects"
 
 
 @cache
 def names() -> tuple[str, ...]:
-    """The names of the shipped scenes, in the order of the document's figures."""
-    return tuple(sorted(f.name.removesuffix(".json") for f in _DOCUMENTS.iterdir() if f.name.endswith(".json")))
+    """The names of the scenes of the document, in the order of its figures."""
+    return _in(_DOCUMENTS)
+
+
+@cache
+def effects() -> tuple[str, ...]:
+    """The names of the scenes that show one effect each, in the order of sections 4.3.1 to 5."""
+    order = ("shading", "shadow", "reflection", "refraction", "total-reflection", "mixing", "multisampling")
+    return tuple(sorted(_in(_EFFECTS), key=lambda name: order.index(name.removeprefix("effect-"))))
+
+
+def _in(folder) -> tuple[str, ...]:
+    return tuple(sorted(f.name.removesuffix(".json") for f in folder.iterdir() if f.name.endswith(".json")))
 
 
 @cache
 def scene(name: str) -> Scene:
     """The shipped scene called `name`. Raises InputError if there is none."""
-    if name not in names():
+    if name not in (*names(), *effects()):
         raise InputError(f"{name}: is neither a file nor a shipped scene; 'raytruth scenes' lists those")
-    document = _DOCUMENTS / f"{name}.json"
+    document = (_DOCUMENTS if name in names() else _EFFECTS) / f"{name}.json"
     return parse_scene(document.read_bytes(), document.name)
 
 
 def find(name_or_path: str) -> Scene:
     """A shipped scene by its name, or a scene file by its path. Raises InputError."""
-    return scene(name_or_path) if name_or_path in names() else (
-        load_scene(name_or_path) if "/" in name_or_path or name_or_path.endswith(".json") else scene(name_or_path))
+    is_path = "/" in name_or_path or name_or_path.endswith(".json")
+    return load_scene(name_or_path) if is_path else scene(name_or_path)

@@ -23,6 +23,9 @@ Fraction = Annotated[float, Field(ge=0, le=1)]
 Intensity = Annotated[float, Field(ge=0, le=1000)]
 Colour = tuple[Fraction, Fraction, Fraction]
 ShortText = Annotated[str, Field(max_length=200)]
+StepSize = Annotated[float, Field(ge=1e-6, le=1000)]
+Effect = Literal["shadow", "reflection", "refraction"]
+EFFECTS: tuple[Effect, ...] = ("shadow", "reflection", "refraction")
 
 
 class Part(BaseModel):
@@ -84,6 +87,13 @@ class Material(Part):
     refractive_index: Annotated[float, Field(ge=0.1, le=10)] = 1.0
 
 
+class FirstHitChoice(Part):
+    """How the first hits of one object are found, whatever method the picture is rendered with."""
+
+    method: Literal["paper", "exact", "descartes", "interval"]
+    step_size: StepSize | None = Field(None, description="of the method paper; the scene's if not given")
+
+
 class Object(Part):
     """A surface with its place and its material."""
 
@@ -91,6 +101,7 @@ class Object(Part):
     surface: AnySurface
     rotation: Rotation | None = None
     material: Material = Material()
+    first_hit: FirstHitChoice | None = Field(None, description="a method for this object alone")
 
 
 class Light(Part):
@@ -103,7 +114,7 @@ class Light(Part):
 class Tracing(Part):
     """The parameters of sections 4 and 5."""
 
-    step_size: Annotated[float, Field(ge=1e-6, le=1000)] = Field(0.1, description="stepSize of section 4.1")
+    step_size: StepSize = Field(0.1, description="stepSize of section 4.1")
     tolerance: Annotated[float, Field(ge=1e-15, le=1)] = Field(1e-12, description="Newton stops at |dt| <= tolerance max(1, |t|)")
     max_iterations: Annotated[int, Field(ge=1, le=1000)] = 20
     max_distance: Length = Field(30.0, description="where a ray ends")
@@ -111,6 +122,15 @@ class Tracing(Part):
     samples: Annotated[int, Field(ge=1, le=32)] = Field(1, description="n of n x n samples per pixel (section 5)")
     refraction: Literal["snell", "as_printed"] = Field(
         "snell", description="decision E1: the law of refraction, or the misprinted formula of section 4.3.3.2")
+    # what a scene needs no more of: see `raytruth plan`
+    effects: Annotated[tuple[Effect, ...], Field(max_length=len(EFFECTS))] = Field(
+        EFFECTS, description="the secondary rays that are traced; one left out sees the background, a shadow ray its light")
+    cutoff: Annotated[float, Field(ge=0, le=1)] = Field(
+        0.0, description="the most that all secondary rays left out for their small weight may change of a colour")
+    adaptive: Annotated[float, Field(ge=0, le=1)] = Field(
+        0.0, description="more than one sample only where the colour differs from a neighbour's by more than this, or "
+                         "the object does; 0: everywhere")
+    precision: Literal[64, 32] = Field(64, description="bits of the numbers a picture is computed in")
 
     @model_validator(mode="after")
     def _is_bounded(self):
