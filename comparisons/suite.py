@@ -24,7 +24,7 @@ from .results import Comparison, Results, Run, SceneRecord, Verdict, read, write
 from .runs import Request, RunStore
 
 TRUTH = "exact"
-COMPARED = ("paper", "mitsuba-native", "mitsuba-mesh")
+COMPARED = ("paper", "mitsuba-native", "mitsuba-mesh", "embree")
 SECONDS_PER_RUN = 300.0
 
 
