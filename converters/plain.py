@@ -1,0 +1,80 @@
+"""A scene as plain text for ports of the document: one line a thing, a word and numbers, nothing to parse.
+
+    camera      position(3) direction(3) up(3) fov width height
+    tracing     step_size tolerance max_iterations max_distance max_depth samples
+    background  colour(3)
+    light       position(3) brightness(3)
+    object      colour(3) reflection transparency refractive_index  center(3) axis(3) degrees sign  kind parameters
+
+`sign` is -1 where f > 0 is inside; `degrees` 0 means no rotation. Numbers have as many digits as it takes to read them
+back exactly. python -m converters.plain SCENE FILE writes one.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from reference_tracer.errors import InputError, UnsupportedError
+from reference_tracer.scene import library
+from reference_tracer.scene.model import EFFECTS, Object, Scene, Tracing
+
+KINDS = ("plane", "sphere", "ellipsoid", "torus", "paraboloid", "heart")
+
+
+def plain(scene: Scene) -> str:
+    """The text of `scene`. Raises UnsupportedError where a scene asks for more than the document has."""
+    _require_the_documents_own(scene)
+    camera, tracing = scene.camera, scene.tracing
+    lines = [
+        _line("camera", *camera.position, *camera.direction, *camera.up, camera.fov, camera.width, camera.height),
+        _line("tracing", tracing.step_size, tracing.tolerance, tracing.max_iterations, tracing.max_distance,
+              tracing.max_depth, tracing.samples),
+        _line("background", *scene.background),
+        *(_line("light", *light.position, *light.brightness) for light in scene.lights),
+        *(_object(obj) for obj in scene.objects)]
+    return "\n".join(lines) + "\n"
+
+
+def _line(*words) -> str:
+    return " ".join(map(str, words))
+
+
+def _object(obj: Object) -> str:
+    m, surface = obj.material, obj.surface
+    axis, degrees = (obj.rotation.axis, obj.rotation.degrees) if obj.rotation else ((0, 0, 1), 0)
+    sign = -1 if surface.inside == "positive" else 1
+    return _line("object", *m.color, m.reflection, m.transparency, m.refractive_index,
+                 *surface.center, *axis, degrees, sign, surface.type, *surface.parameters.values())
+
+
+def _require_the_documents_own(scene: Scene) -> None:
+    plain_tracing, own = Tracing(), ("refraction", "effects", "cutoff", "adaptive", "precision")
+    changed = [name for name in own if getattr(scene.tracing, name) != getattr(plain_tracing, name)]
+    if set(scene.tracing.effects) == set(EFFECTS) and "effects" in changed:
+        changed.remove("effects")
+    if changed:
+        raise UnsupportedError(f"{scene.name}: a plain scene has no tracing.{changed[0]}")
+    for obj in scene.objects:
+        if obj.surface.type not in KINDS:
+            raise UnsupportedError(f"{scene.name}: a plain scene has no surface of type {obj.surface.type}")
+        if obj.first_hit:
+            raise UnsupportedError(f"{scene.name}: a plain scene has one first-hit method for all objects")
+
+
+def main(arguments: list[str]) -> None:
+    if len(arguments) != 2:
+        raise InputError("give a scene and the file to write")
+    text = plain(library.find(arguments[0]))
+    try:
+        Path(arguments[1]).write_text(text, encoding="ascii")
+    except OSError as error:
+        raise InputError(f"{arguments[1]}: cannot be written ({error.strerror})") from None
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1:])
+    except InputError as error:
+        print(f"python -m converters.plain: {error}", file=sys.stderr)
+        sys.exit(2)
