@@ -1,0 +1,93 @@
+"""How far two faultless renderers may be apart on a scene: on colours, distances, normals and objects, pixel by pixel.
+
+As in reference_tracer.sensitivity, the bound is measured: every ray is moved by units of rounding, several times over.
+For a renderer on meshes a unit is larger: its rays meet surfaces that are elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from skimage.morphology import dilation
+
+from reference_tracer.render import UNDECIDED, Picture
+from reference_tracer.scene.model import Scene
+from reference_tracer.sensitivity import ORIGIN_UNITS, SAFETY, UNIT, perturbed
+
+PROBES = 5
+AROUND = np.ones((3, 3), bool)
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """What a kind of renderer can do. `unit` moves rays, the others are floors of what may differ anywhere."""
+
+    unit: float  # of rounding, relative
+    color: float  # relative to 1 + colour
+    depth: float  # relative
+    normal: float  # length of the difference
+    stray: float  # share of the pixels that may leave their bounds: edges that no probe has crossed
+
+
+SINGLE = Accuracy(UNIT[32], color=2e-5, depth=5e-6, normal=5e-5, stray=3e-4)
+MESH_COLOR, MESH_DEPTH, MESH_NORMAL, MESH_STRAY = 2e-3, 2e-4, 4e-3, 5e-3  # of meshes of 256 cells
+
+
+def accuracy_of(pictures: list[Picture]) -> Accuracy:
+    """The accuracy of the less accurate of the renderers that made `pictures`, from what they tell of themselves."""
+    meshed = [float(p.metadata.get("measured_mesh_error") or 0) for p in pictures if p.metadata.get("triangles")]
+    if not meshed:
+        return SINGLE
+    return Accuracy(max(SINGLE.unit, max(meshed) / ORIGIN_UNITS), MESH_COLOR, MESH_DEPTH, MESH_NORMAL, MESH_STRAY)
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds of every pixel, (h, w); `decided` is False where no renderer can be held to anything."""
+
+    color: np.ndarray
+    t: np.ndarray
+    normal: np.ndarray
+    objects: tuple[np.ndarray, ...]  # what perturbed rays of the pixel and its neighbours meet
+    decided: np.ndarray
+
+    def allows(self, index: np.ndarray) -> np.ndarray:
+        """Where one of the 3 x 3 pixels around may see object `index`. (h, w)"""
+        return np.logical_or.reduce([seen == index for seen in self.objects])
+
+
+@lru_cache(maxsize=64)
+def bounds(scene: Scene, accuracy: Accuracy) -> Bounds:
+    """The bounds on `scene` of a renderer of `accuracy` against the reference's exact method."""
+    truth, _ = perturbed(scene, "exact", 0.0, seed=0)
+    response = {"color": np.zeros(truth.t.shape), "t": np.zeros(truth.t.shape), "normal": np.zeros(truth.t.shape)}
+    objects = [truth.index]
+    for seed in range(1, PROBES + 1):
+        probe, _ = perturbed(scene, "exact", accuracy.unit, seed=seed)
+        same = (probe.index == truth.index) & (truth.index >= 0)
+        objects.append(probe.index)
+        with np.errstate(invalid="ignore"):
+            for name, moved in (("color", np.abs(probe.color - truth.color).max(-1)),
+                                ("t", np.where(same, np.abs(probe.t - truth.t), 0)),
+                                ("normal", np.where(same, np.linalg.norm(probe.normal - truth.normal, axis=-1), 0))):
+                response[name] = np.fmax(response[name], moved)
+    widest = {name: SAFETY * dilation(plane, AROUND) for name, plane in response.items()}
+    t = np.where(np.isfinite(truth.t), truth.t, 0)
+    return Bounds(color=widest["color"] + accuracy.color * (1 + np.abs(truth.color).max(-1)),
+                  t=widest["t"] + accuracy.depth * t, normal=widest["normal"] + accuracy.normal,
+                  objects=tuple(_around(objects)), decided=~dilation(truth.status == UNDECIDED, AROUND))
+
+
+def _around(planes: list[np.ndarray]):
+    """The planes and all their shifts by a pixel, each different one once."""
+    seen = set()
+    for plane in planes:
+        padded, (h, w) = np.pad(plane, 1, mode="edge"), plane.shape
+        for i in range(3):
+            for j in range(3):
+                shifted = padded[i:i + h, j:j + w]
+                if (key := shifted.tobytes()) not in seen:
+                    seen.add(key)
+                    yield shifted
