@@ -1,0 +1,21 @@
+"""Two threads against one. Only wall time can tell, so a busy machine makes this ratio too small."""
+
+from __future__ import annotations
+
+from ..contestants import tracer
+from ..options import Options
+from ..results import Row
+from ..timing import row, take_turns
+
+NAME = "threads"
+CASES = ("figure-02-16-samples", "figure-07-torus", "figure-17-scene1", "figure-18-scene2")
+MOST_RAYS = 1440 * 1080
+BAR = 1.85
+
+
+def measure(case: str, options: Options) -> list[Row]:
+    scene = options.sized(case, MOST_RAYS)
+    measured = take_turns([tracer("1 thread", scene, "exact", threads=1), tracer("2 threads", scene, "exact", threads=2)],
+                          options.turns, options.budget)
+    return [row(f"{NAME}/{case}", "1 thread / 2 threads, exact", measured, "1 thread", "2 threads", BAR, "wall",
+                note=f"{scene.camera.width} x {scene.camera.height}")]
