@@ -1,24 +1,28 @@
-"""Tables of objects that share one f, for one loop each inside a kernel.
+"""Tables of objects that share one f.
 
-Objects that share f are rows of one table and are visited by one loop. A kernel therefore depends on which families,
-lights and materials a scene uses, not on how many objects there are or where they stand: one hundred spheres compile
-like one, and the figures of the document share their kernels.
+Objects that share f are rows of one table. A family of few objects is unrolled: each row's numbers are scalars of the
+kernel, which cost nothing to read. A larger one is visited by a loop, so that one hundred spheres compile like one. A
+kernel therefore depends on which families, lights and materials a scene uses, not on where anything stands.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import drjit as dr
 import numpy as np
 
 from .backend import Backend
+from .bounds import Ball, bounding_ball
 from .first_hit import LocalRay, Solid
 from .numbers import Dual
 from .placement import rotation_matrix
 from .scene.model import Object
 
 BOX_MARGIN = 1e-6  # relative; keeps crossings on the box's own faces, where a sphere touches it, inside
+MOST_UNROLLED = 16  # objects of one family; beyond it the kernel's length costs more than reading a table
 
 
 @dataclass
@@ -29,6 +33,7 @@ class Member:
     center: object  # Vector
     rotation: list | None  # three columns (Vector) of the rotation matrix, or None for the identity
     solid: Solid
+    ball: Ball | None  # that holds the solid's surface; None where it is unbounded
 
     def local(self, o, d) -> LocalRay:
         return LocalRay(self._into(o - self.center), self._into(d))
@@ -59,9 +64,11 @@ class Family:
         self.bounded = all(o.surface.box() is not None for o in objects)
         self.flipped = any(o.surface.inside == "positive" for o in objects)
 
-        rows = [self._row(o) for o in objects]
-        self.width = len(rows[0])
-        self.table = arrays.Float(np.array(rows, dtype=float).ravel().tolist())
+        # a ball that a ray misses spares what costs more than to ask: a search, or the reading of a row
+        self.asks_bounds = self.bounded and not (method.closed_form and len(objects) <= MOST_UNROLLED)
+        self.rows = [self._row(o) for o in objects]
+        self.width = len(self.rows[0])
+        self.table = arrays.Float(np.array(self.rows, dtype=float).ravel().tolist())
         self.index_of_row = arrays.UInt(indices)
         self.count = arrays.count(len(objects))
         dr.make_opaque(self.table, self.index_of_row)
@@ -74,7 +81,7 @@ class Family:
         if self.bounded:
             low, high = (np.array(corner) for corner in surface.box())
             margin = BOX_MARGIN * (high - low)
-            row += [*(low - margin), *(high + margin)]
+            row += [*(low - margin), *(high + margin), bounding_ball(low - margin, high + margin)]
         if self.flipped:
             row += [-1.0 if surface.inside == "positive" else 1.0]
         return row
@@ -82,14 +89,28 @@ class Family:
     def member(self, j, active=True) -> Member:
         """Row `j` (UInt array) of the table."""
         arrays = self.arrays
-        cursor = iter(range(self.width))
-        number = lambda: dr.gather(arrays.Float, self.table, j * self.width + next(cursor), active)
-        vector = lambda: arrays.Vector(number(), number(), number())
+        columns = iter(range(self.width))
+        return self._member(lambda: dr.gather(arrays.Float, self.table, j * self.width + next(columns), active),
+                            dr.gather(arrays.UInt, self.index_of_row, j, active))
 
+    @cached_property
+    def _unrolled(self) -> list[Member]:
+        """Every row, its numbers as scalars that kernels read at run time."""
+        members = []
+        for index, row in zip(self.indices, self.rows):
+            numbers = iter(row)
+            members.append(self._member(lambda: self.arrays.constant(next(numbers)), self.arrays.count(index)))
+        return members
+
+    def _member(self, number: Callable, index) -> Member:
+        """The member whose numbers, in the order of `_row`, are what `number` returns one by one."""
+        arrays = self.arrays
+        vector = lambda: arrays.Vector(number(), number(), number())
         center = vector()
         parameters = {name: number() for name in self.parameters}
         rotation = [vector(), vector(), vector()] if self.rotated else None
         box = (vector(), vector()) if self.bounded else None
+        radius = number() if self.bounded else None
         sign = number() if self.flipped else None
 
         def signed(form):
@@ -99,4 +120,14 @@ class Family:
 
         far_inside = arrays.Bool(False) if sign is None else sign < 0
         solid = Solid(*map(signed, self.forms), box, far_inside)
-        return Member(dr.gather(arrays.UInt, self.index_of_row, j, active), center, rotation, solid)
+        return Member(index, center, rotation, solid, Ball(center, radius) if self.bounded else None)
+
+    def fold(self, step: Callable[..., tuple], state: tuple) -> tuple:
+        """`state = step(member, *state)` for every member in turn; what is returned is the last state."""
+        if len(self.rows) <= MOST_UNROLLED:
+            for member in self._unrolled:
+                state = step(member, *state)
+            return state
+        more = lambda j, *state: j < self.count
+        body = lambda j, *state: (j + 1, *step(self.member(j), *state))
+        return dr.while_loop((self.arrays.UInt(0), *state), more, body)[1:]

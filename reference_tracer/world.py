@@ -13,7 +13,7 @@ from .backend import Backend
 from .families import Family, Member
 from .placement import is_inside
 from .rays import Hit, Ray, Sides
-from .scene.model import Scene
+from .scene.model import EFFECTS, Scene
 
 
 @dataclass
@@ -32,17 +32,19 @@ class World:
     def __init__(self, scene: Scene, method: str, arrays: Backend):
         self.scene, self.arrays, self.method = scene, arrays, method
         self.object_count = len(scene.objects)
-        groups: dict[str, list[int]] = {}
+        groups: dict[tuple, list[int]] = {}
         for index, obj in enumerate(scene.objects):
-            groups.setdefault(obj.surface.family, []).append(index)
+            own = obj.first_hit
+            groups.setdefault((obj.surface.family, *((own.method, own.step_size or 0) if own else ("", 0))), []).append(index)
         self.families = [
             Family(arrays, indices, [scene.objects[i] for i in indices],
-                   first_hit.choose(method, scene.objects[indices[0]].surface, scene.tracing, arrays))
+                   first_hit.choose(method, scene.objects[indices[0]], scene.tracing, arrays))
             for _, indices in sorted(groups.items())]  # sorted: scenes with the same families share kernels
 
         materials = [o.material for o in scene.objects]
         self.reflective = any(m.reflection > 0 for m in materials)
         self.transparent = any(m.transparency > 0 for m in materials)
+        self.traces = {effect: effect in scene.tracing.effects for effect in EFFECTS}
         self.max_distance = arrays.constant(scene.tracing.max_distance)
         self.background = [arrays.constant(c) for c in scene.background]
         self.light_count = arrays.count(len(scene.lights))
@@ -115,29 +117,30 @@ class World:
             hit = self._nearest_of(family, ray, hit)
         return hit
 
-    @dr.syntax
     def _nearest_of(self, family: Family, ray: Ray, hit: Hit) -> Hit:
-        t, order, index, undecided = hit.t, hit.order, hit.index, hit.undecided
-        j = self.arrays.UInt(0)
-        while j < family.count:
-            member = family.member(j)
-            c = family.method.first(member.solid, member.local(ray.o, ray.d), ray.sides.test(member.index), order)
-            closer = c.found & ((c.order < order) | ((c.order == order) & (c.t < t)))
-            t = dr.select(closer, c.t, t)
-            order = dr.select(closer, c.order, order)
-            index = dr.select(closer, member.index, index)
-            undecided |= c.undecided
-            j += 1
-        return Hit(t, order, index, undecided)
+        def step(member: Member, t, order, index, undecided):
+            inside = ray.sides.test(member.index)
+
+            def test(t, order, index, undecided):
+                c = family.method.first(member.solid, member.local(ray.o, ray.d), inside, order)
+                closer = c.found & ((c.order < order) | ((c.order == order) & (c.t < t)))
+                return (dr.select(closer, c.t, t), dr.select(closer, c.order, order),
+                        dr.select(closer, member.index, index), undecided | c.undecided)
+
+            if not family.asks_bounds:
+                return test(t, order, index, undecided)
+            worth = (inside != member.solid.far_inside) | member.ball.may_meet(ray.o, ray.d, order)
+            return dr.if_stmt((t, order, index, undecided), worth, test, lambda *unchanged: unchanged)
+
+        return Hit(*family.fold(step, (hit.t, hit.order, hit.index, hit.undecided)))
 
     def normal(self, point, index, active):
         """grad f at `point` of object `index`, normalised; not yet turned against the ray."""
         family_of, row_of = (dr.gather(self.arrays.UInt, column, index, active) for column in self._place_of_object)
-        gradient = None
+        gradient = dr.zeros(self.arrays.Vector, dr.width(index))
         for k, family in enumerate(self.families):
-            here = family_of == k
-            own = family.member(row_of, active & here).normal_at(point)
-            gradient = own if gradient is None else dr.select(here, own, gradient)
+            here = active & (family_of == k)
+            gradient = dr.if_stmt((gradient,), here, lambda _: family.member(row_of, here).normal_at(point), lambda g: g)
         return gradient / dr.norm(gradient)
 
     def light_through(self, ray: Ray, distance, active):
@@ -147,30 +150,33 @@ class World:
         """
         intensity = dr.select(active, self.arrays.Float(1), 0)
         undecided = self.arrays.Bool(False)
-        for family in self.families:
-            intensity, undecided = self._light_through_family(family, ray, distance, intensity, undecided)
+        if self.traces["shadow"]:
+            for family in self.families:
+                intensity, undecided = self._light_through_family(family, ray, distance, intensity, undecided)
         return intensity, undecided
 
-    @dr.syntax
     def _light_through_family(self, family: Family, ray: Ray, distance, intensity, undecided):
-        j = self.arrays.UInt(0)
-        while j < family.count:
-            member = family.member(j)
-            # light that is gone already needs no more tests
-            limit = dr.select(intensity > 0, distance, 0)
-            intensity, unsure = self._dimmed_by(family, member, ray, limit, intensity)
-            undecided |= unsure
-            j += 1
-        return intensity, undecided
+        def step(member: Member, intensity, undecided):
+            inside = ray.sides.test(member.index)
 
-    def _dimmed_by(self, family: Family, member: Member, ray: Ray, limit, intensity):
+            def test(intensity, undecided):
+                left, unsure = self._dimmed_by(family, member, ray, inside, distance, intensity)
+                return left, undecided | unsure
+
+            worth = intensity > 0  # light that is gone already needs no more tests
+            if family.asks_bounds:
+                worth &= (inside != member.solid.far_inside) | member.ball.may_meet(ray.o, ray.d, distance)
+            return dr.if_stmt((intensity, undecided), worth, test, lambda *unchanged: unchanged)
+
+        return family.fold(step, (intensity, undecided))
+
+    def _dimmed_by(self, family: Family, member: Member, ray: Ray, inside, distance, intensity):
         if self.transparent:
             transparency = dr.gather(self.arrays.Float, self._material_columns[2], member.index)
             opaque = transparency == 0
         else:
             opaque = self.arrays.Bool(True)
-        count, unsure = family.method.crossings(member.solid, member.local(ray.o, ray.d),
-                                                ray.sides.test(member.index), limit, opaque)
+        count, unsure = family.method.crossings(member.solid, member.local(ray.o, ray.d), inside, distance, opaque)
         if self.transparent:
             return _multiply_repeatedly(intensity, transparency, count), unsure
         return dr.select(count > 0, 0, intensity), unsure

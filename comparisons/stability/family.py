@@ -125,7 +125,7 @@ def ask(shape: Shape, rays: Rays, method: Method, precision: int) -> Answer | No
     arrays = backend(precision)
     number = lambda v: arrays.Float(np.ascontiguousarray(v))
     vector = lambda v: arrays.Vector(*(number(v[:, k]) for k in range(3)))
-    first_hit = method.build(Setting(shape.degree, arrays, number(rays.step)))
+    first_hit = method.build(Setting(shape.degree, arrays, number(rays.step), shape.box is not None))
     if first_hit is None:
         return None
     solid = shape.solid(arrays, {name: number(v) for name, v in rays.parameters.items()})

@@ -26,6 +26,7 @@ class Setting:
     degree: int | None  # of the surface's polynomial; None where it has none
     arrays: Backend
     step: object  # stepSize: a number, or a Float with one entry a ray
+    bounded: bool = False  # whether the solid has a box
 
     @property
     def tolerance(self) -> float:
@@ -58,7 +59,7 @@ METHODS = (
            lambda s: Descartes() if s.degree is not None else None),
     Method("interval", "interval arithmetic, rounded to nearest", lambda s: IntervalMethod()),
     Method("proof", "interval arithmetic, outward rounded", lambda s: Proof(), claims=True),
-    Method("exact", "the cheapest that misses nothing", cheapest_exact, claims=True))
+    Method("exact", "the cheapest that misses nothing", lambda s: cheapest_exact(s.degree, s.bounded), claims=True))
 
 
 class SideFromSign:

@@ -43,7 +43,7 @@ def world_of(scene: Scene, method: Method, precision: int) -> World | None:
     world = World(scene, "exact", backend(precision))
     for family in world.families:
         degree = scene.objects[family.indices[0]].surface.degree
-        family.method = method.build(Setting(degree, world.arrays, scene.tracing.step_size))
+        family.method = method.build(Setting(degree, world.arrays, scene.tracing.step_size, family.bounded))
         if family.method is None:
             return None
     return world

@@ -16,21 +16,26 @@ from .proof import Proof
 METHODS = {
     "paper": "the document's own: fixed steps, then free Newton; includes its failures",
     "exact": "misses nothing: closed forms, Descartes' rule, interval arithmetic, the cheapest that is safe",
-    "descartes": "Descartes' rule of signs, for algebraic surfaces; the others as exact does",
+    "descartes": "Descartes' rule of signs, for algebraic surfaces; interval arithmetic for the others",
     "interval": "interval arithmetic for every surface",
     "proof": "interval arithmetic, outward rounded: its answers are proofs",
 }
 
 
-def choose(method: str, surface, tracing, arrays) -> FirstHit:
-    """The first-hit method called `method` for `surface`. Raises InputError for an unknown name."""
-    match method:
+def choose(method: str, obj, tracing, arrays) -> FirstHit:
+    """The first-hit method for the object `obj`: its own, else the one called `method`.
+
+    Raises InputError for an unknown name.
+    """
+    surface, own = obj.surface, obj.first_hit
+    match own.method if own else method:
         case "paper":
-            return Paper(arrays, tracing.step_size, tracing.tolerance, tracing.max_iterations)
+            step_size = (own and own.step_size) or tracing.step_size
+            return Paper(arrays, step_size, tracing.tolerance, tracing.max_iterations)
         case "exact":
-            return cheapest_exact(surface)
+            return cheapest_exact(surface.degree, surface.box() is not None)
         case "descartes":
-            return Descartes() if surface.degree is not None else cheapest_exact(surface)
+            return Descartes() if surface.degree is not None else IntervalMethod()
         case "proof":
             if arrays.precision != 64:
                 raise InputError("the method proof rounds outwards in double precision; use --precision 64")

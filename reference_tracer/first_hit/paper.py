@@ -19,6 +19,7 @@ class Paper:
     """
 
     name = "paper"
+    closed_form = False
 
     def __init__(self, arrays, step_size: float, tolerance: float, max_iterations: int):
         self.step_size = arrays.constant(step_size)

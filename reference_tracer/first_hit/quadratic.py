@@ -77,6 +77,7 @@ class Quadratic:
     """
 
     name = "quadratic"
+    closed_form = True
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         parabola = Parabola.along(solid, ray, limit)

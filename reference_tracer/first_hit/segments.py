@@ -26,6 +26,7 @@ class SegmentMethod:
     """First hits and crossings from `scan`, which a subclass gives."""
 
     evaluations: int  # of f, for each segment
+    closed_form = False
 
     def scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> Scan:
         """Walks along (0, limit] to the bracket of the first crossing, or past all where not `only_first`."""

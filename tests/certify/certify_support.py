@@ -42,6 +42,8 @@ class _Wrapped:
 
     name = "broken"
 
+    closed_form = False
+
     def __init__(self, inner):
         self.inner = inner
 
@@ -95,9 +97,9 @@ def breaking(monkeypatch, method: str, broken: type, instead_of: str = "exact") 
     """From now on `method` is `broken` around the method `instead_of`."""
     choose = first_hit.choose
 
-    def replaced(name, surface, tracing, arrays):
+    def replaced(name, obj, tracing, arrays):
         if name != method:
-            return choose(name, surface, tracing, arrays)
-        return broken(choose(instead_of, surface, tracing, arrays))
+            return choose(name, obj, tracing, arrays)
+        return broken(choose(instead_of, obj, tracing, arrays))
 
     monkeypatch.setattr(first_hit, "choose", replaced)

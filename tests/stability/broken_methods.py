@@ -14,7 +14,7 @@ class SkipsRoots:
     name = "skips roots"
 
     def __init__(self, setting):
-        self.base = cheapest_exact(setting)
+        self.base = cheapest_exact(setting.degree, setting.bounded)
 
     def first(self, solid, ray, inside, limit):
         crossing = self.base.first(solid, ray, inside, limit)
@@ -32,7 +32,7 @@ class WrongSide:
     name = "wrong side"
 
     def __init__(self, setting):
-        self.base = cheapest_exact(setting)
+        self.base = cheapest_exact(setting.degree, setting.bounded)
 
     def first(self, solid, ray, inside, limit):
         return self.base.first(solid, ray, inside ^ self._starts_on(solid, ray), limit)

@@ -1,0 +1,34 @@
+"""Closed form for surfaces of degree one: planes, linear expressions."""
+
+from __future__ import annotations
+
+import drjit as dr
+
+from .interface import Crossing, LocalRay, Solid
+
+
+class Linear:
+    """g(t) = f(o) + t g' has one root, and the side a ray is known to be on says whether it lies ahead.
+
+    A ray that leaves the plane starts on it, and f(o) is noise around zero: where g runs away from the other side
+    there is no crossing, whatever the sign of f(o).
+    """
+
+    name = "linear"
+    closed_form = True
+
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+        t = self.next_crossing(solid, ray, inside)
+        return Crossing(t <= limit, t, t, dr.mask_t(t)(False), dr.full(dr.uint32_array_t(type(t)), 1))
+
+    @staticmethod
+    def next_crossing(solid: Solid, ray: LocalRay, inside):
+        """The t at which each ray changes side; infinity where it never does (Float)."""
+        g, slope = solid.slope_at(ray, dr.zeros(type(ray.o[0])))
+        leaves = dr.select(inside, slope > 0, slope < 0)
+        return dr.select(leaves, dr.maximum(-g / slope, 0), dr.inf)
+
+    def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
+        # one sign change at most: the sides of the two ends tell
+        other = solid.inside_at(ray, limit) != inside
+        return dr.select(other & (limit > 0), dr.uint32_array_t(type(limit))(1), 0), dr.mask_t(limit)(False)
