@@ -35,6 +35,11 @@ def _shifted(plane: np.ndarray):
         yield padded[1 + i:1 + i + h, 1 + j:1 + j + w]
 
 
+def largest_around(plane: np.ndarray) -> np.ndarray:
+    """The largest value in the 3 x 3 neighbourhood of every pixel. (h, w)"""
+    return np.maximum.reduce(list(_shifted(plane)))
+
+
 def _everywhere_around(mask: np.ndarray) -> np.ndarray:
     return np.logical_and.reduce(list(_shifted(mask)))
 

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from converters.mitsuba import MitsubaScene, convert, pixel_directions
+from converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
 from converters.mitsuba.crossings import Crossings, Hit, spawn
 from converters.mitsuba.variant import dr, mi
-from reference_tracer.camera import canvas_point, frame
 from reference_tracer.rays import Sides
 from reference_tracer.placement import is_inside
 from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
@@ -179,23 +178,13 @@ class _Tracer:
         return queues
 
     # --- camera and picture ------------------------------------------------------------------------------------------
-    def directions(self, first: int, count: int, samples: int) -> np.ndarray:
-        """(count * samples^2, 3) fp64: the unit directions of section 2 for pixels in row order, n x n a pixel."""
-        f = frame(self.document.camera)
-        lane = np.arange(count * samples**2)
-        row, column = np.divmod(first + lane // samples**2, f.width)
-        sample = lane % samples**2
-        x, y = canvas_point(f, row, column, sample // samples, sample % samples, samples)
-        d = x[:, None] * f.v_x + y[:, None] * f.v_y + f.v_dir
-        return d / np.linalg.norm(d, axis=1, keepdims=True)
-
     def camera_difference(self) -> float:
         """The largest difference of a component between our directions and those of the converted sensor."""
-        ours = self.directions(0, self.document.camera.width, 1)
+        ours = document_directions(self.document.camera, count=self.document.camera.width)
         return float(np.abs(pixel_directions(self.converted.sensor)[0] - ours).max())
 
     def _camera_rays(self, first: int, count: int, samples: int) -> _Rays:
-        d = self.directions(first, count, samples).astype(np.float32)
+        d = document_directions(self.document.camera, samples, first, count).astype(np.float32)
         if len(d) == 1:
             d = np.repeat(d, 2, axis=0)  # see `_queues`; the second ray has weight 0
         lane = dr.arange(mi.UInt32, len(d))

@@ -6,6 +6,6 @@ evaluates the document's own shading on Mitsuba's intersections.
 """
 
 from .scene import MitsubaScene, Part, convert
-from .sensor import pixel_directions, sensor
+from .sensor import document_directions, pixel_directions, sensor
 
-__all__ = ["MitsubaScene", "Part", "convert", "pixel_directions", "sensor"]
+__all__ = ["MitsubaScene", "Part", "convert", "document_directions", "pixel_directions", "sensor"]

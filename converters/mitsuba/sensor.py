@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer.camera import frame
+from reference_tracer.camera import canvas_point, frame
 from reference_tracer.scene.model import Camera
 
 from .variant import mi
 
 
-def sensor(camera: Camera) -> mi.Sensor:
-    """A perspective sensor whose pixel centres look along the rays of section 2 (to fp32 accuracy)."""
+def sensor(camera: Camera, samples: int = 1) -> mi.Sensor:
+    """A perspective sensor whose pixel centres look along the rays of section 2 (to fp32 accuracy).
+
+    `samples` = n^2 a pixel lie in the centres of n x n cells (section 5).
+    """
     f = frame(camera)
     to_world = mi.ScalarTransform4f().look_at(
         origin=f.v_pos.tolist(), target=(f.v_pos + f.v_dir).tolist(), up=f.v_y.tolist())
@@ -21,7 +24,19 @@ def sensor(camera: Camera) -> mi.Sensor:
         "to_world": to_world @ mi.ScalarTransform4f().scale([-1, 1, 1]),  # Mitsuba's x runs left
         "film": {"type": "hdrfilm", "width": camera.width, "height": camera.height, "rfilter": {"type": "box"},
                  "pixel_format": "rgb", "component_format": "float32"},
-        "sampler": {"type": "stratified", "sample_count": 1, "jitter": False}})
+        "sampler": {"type": "stratified", "sample_count": samples, "jitter": False}})
+
+
+def document_directions(camera: Camera, samples: int = 1, first: int = 0, count: int | None = None) -> np.ndarray:
+    """(count * samples^2, 3) fp64: the unit directions of section 2 for pixels in row order, n x n a pixel."""
+    f = frame(camera)
+    count = camera.width * camera.height - first if count is None else count
+    lane = np.arange(count * samples**2)
+    row, column = np.divmod(first + lane // samples**2, f.width)
+    sample = lane % samples**2
+    x, y = canvas_point(f, row, column, sample // samples, sample % samples, samples)
+    d = x[:, None] * f.v_x + y[:, None] * f.v_y + f.v_dir
+    return d / np.linalg.norm(d, axis=1, keepdims=True)
 
 
 def pixel_directions(of: mi.Sensor) -> np.ndarray:

@@ -14,20 +14,22 @@ from reference_tracer.surfaces import Plane, Sphere
 from .variant import mi
 
 
-def native(obj: Object, scene: Scene) -> tuple[mi.Shape, str] | None:
+def native(obj: Object, scene: Scene, dress: dict | None = None) -> tuple[mi.Shape, str] | None:
     """The exact Mitsuba shape of `obj`, normals out of the solid, and what was clipped; None where Mitsuba has none.
 
+    `dress` holds the plugins it wears: "bsdf", "emitter".
     An instance of a sphere can be stretched to an ellipsoid, but is intersected in fp32: its error of 3e-8 times
     (distance / semi-axis)^2, 6e-3 for a semi-axis of 0.1 at distance 3, is that of no exact shape.
     """
+    dress = dress or {}
     match obj.surface:
         case Sphere() as s:
             return mi.load_dict({"type": "sphere", "center": list(s.center), "radius": s.r,
-                                 "flip_normals": s.inside == "positive"}), ""
+                                 "flip_normals": s.inside == "positive", **dress}), ""
         case Plane() as s:
             placed = Placed(obj)
             patch = plane_patch(s, reach_in_frame(scene, placed))
-            return (_rectangle(placed, patch), patch.clipped) if patch else None
+            return (_rectangle(placed, patch, dress), patch.clipped) if patch else None
     return None
 
 
@@ -42,10 +44,10 @@ def meshed(mesh: Mesh, name: str) -> mi.Shape:
     return shape
 
 
-def _rectangle(placed: Placed, patch: Patch) -> mi.Shape:
+def _rectangle(placed: Placed, patch: Patch, dress: dict) -> mi.Shape:
     """Mitsuba's rectangle [-1, 1]^2 with normal z, laid onto `patch`."""
     axes = np.stack([patch.half * patch.u, patch.half * patch.v, np.cross(patch.u, patch.v)])
     to_world = np.eye(4)
     to_world[:3, :3] = placed.turned(axes).T
     to_world[:3, 3] = placed.to_world(patch.middle[None])[0]
-    return mi.load_dict({"type": "rectangle", "to_world": mi.ScalarTransform4f(to_world)})
+    return mi.load_dict({"type": "rectangle", "to_world": mi.ScalarTransform4f(to_world), **dress})
