@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from reference_tracer.errors import InputError
 
-from . import exact_vs_paper, exact_vs_port, objects, paper_vs_port, threads
+from . import exact_vs_paper, exact_vs_port, first_picture, mitsuba_mesh, objects, paper_vs_port, resolution, threads
 
-GROUPS = {group.NAME: group for group in (paper_vs_port, exact_vs_port, exact_vs_paper, threads, objects)}
+GROUPS = {group.NAME: group for group in (paper_vs_port, exact_vs_port, exact_vs_paper, mitsuba_mesh, threads,
+                                          resolution, objects, first_picture)}
 
 
 def find(names: list[str]) -> list:
