@@ -51,3 +51,19 @@ def read(path: Path, kind: type[Document], command: str) -> Document:
         first = error.errors(include_url=False)[0]
         place = ".".join(map(str, first["loc"]))
         raise InputError(f"{path}: {place}: {first['msg']}; make it again with '{command}'") from None
+
+
+def keep(document: Document, path: Path, command: str) -> Document:
+    """Writes `document`, unless the file already holds the same one of an earlier time, which is returned.
+
+    `document` has the fields `created` and `seconds`.
+    """
+    timeless = lambda found: found.model_copy(update={"created": "", "seconds": 0})
+    try:
+        earlier = read(path, type(document), command)
+        if timeless(earlier) == timeless(document):
+            return earlier
+    except InputError:  # none, or unreadable: it is replaced
+        pass
+    write(document, path)
+    return document
