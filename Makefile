@@ -1,12 +1,13 @@
 # make report   everything from nothing: environment, pictures, comparisons, reports/html/index.html
 # make test     the tests
+# make bench    how fast, as ratios to others; takes its time, and wants the machine to itself
 # make clean    removes what the two made; the next run starts from nothing
 
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 
-.PHONY: report test clean
+.PHONY: report test bench clean
 
 report: $(VENV)/installed
 	@# exit code 1 says that something differs, which is what the report is for
@@ -17,6 +18,9 @@ report: $(VENV)/installed
 
 test: $(VENV)/installed
 	$(BIN)/python -m pytest
+
+bench: $(VENV)/installed
+	$(BIN)/python -m comparisons.bench
 
 $(VENV)/installed: pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

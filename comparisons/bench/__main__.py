@@ -32,7 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
     if not 1 <= chosen.turns <= 1000:
         raise InputError(f"--turns: must be 1 to 1000; found {chosen.turns}")
     options = Options(chosen.turns, chosen.size, chosen.clock, chosen.budget, chosen.quick)
-    before = accepted.read() if accepted.FILE.exists() else None
+    before = accepted.read(accepted.FILE) if accepted.FILE.exists() else None
     print(table.HEAD)
     bench = suite.run(groups.find(chosen.only), options, chosen.scenes, tell=lambda row: print(table.line(row), flush=True))
     partial = bool(chosen.only or chosen.scenes or chosen.size or chosen.quick)
@@ -42,7 +42,7 @@ def main(arguments: list[str] | None = None) -> int:
     falls = accepted.falls(bench, before) if before else []
     print(table.summary(bench, falls, output))
     if chosen.accept:
-        accepted.write(bench, before)
+        accepted.write(bench, before, accepted.FILE)
         return 0
     return 1 if falls or any(row.state in BROKEN for row in bench.rows) else 0
 

@@ -41,12 +41,12 @@ class Fall(Record):
     share: float = Field(description="how much of the accepted speed is left")
 
 
-def read(path: Path = FILE) -> Accepted:
+def read(path: Path) -> Accepted:
     """Raises InputError where there is none."""
     return document.read(path, Accepted, "python -m comparisons.bench --accept")
 
 
-def write(bench: Bench, earlier: Accepted | None, path: Path = FILE) -> Path:
+def write(bench: Bench, earlier: Accepted | None, path: Path) -> Path:
     """Accepts the rows of `bench`; rows of `earlier` that were not measured now stay."""
     rows = dict(earlier.rows) if earlier else {}
     rows |= {row.key: Reached(unit=row.unit, wall=row.wall and row.wall.median, cpu=row.cpu and row.cpu.median,

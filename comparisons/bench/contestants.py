@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from reference_tracer.render import render
 from reference_tracer.scene import library
 from reference_tracer.scene.model import Scene
 
+from ..renderers import povray
 from . import port
-from .timing import Contestant, timed
+from .timing import Contestant, Cost, timed
 
 THREADS = 2  # of the port and of the tracer, unless threads are what is measured
 
@@ -24,3 +23,12 @@ def tracer(name: str, scene: Scene, method: str, threads: int = THREADS) -> Cont
 def cpp_port(name: str, scene: Scene) -> Contestant:
     port.build()  # its compiler's time is not the port's
     return Contestant(name, lambda: port.render(scene, THREADS).cost, compiles=False)
+
+
+def pov_ray(name: str, scene: Scene, **settings) -> Contestant:
+    """Its wall time holds half a second of starting; its processor time is that of tracing alone."""
+    def run() -> Cost:
+        facts = povray.render(scene, planes=False, threads=THREADS, **settings).metadata
+        return Cost(facts["first"], facts["cpu"])
+
+    return Contestant(name, run, compiles=False)

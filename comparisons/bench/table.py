@@ -7,19 +7,19 @@ from pathlib import Path
 from .accepted import Fall
 from .results import Bench, Row, Spread
 
-HEAD = (f"{'row':<42}{'value':>9}  {'bar':>9}  {'':5} {'wall (low to high)':<26}{'cpu (low to high)':<26}"
+HEAD = (f"{'row':<50}{'value':>9}  {'bar':>9}  {'':5} {'wall (low to high)':<26}{'cpu (low to high)':<26}"
         f"{'turns':>5}{'others':>7}  seconds")
 
 
 def line(row: Row) -> str:
     if row.value is None:
-        return f"{row.key:<42}{row.state}: {row.message}"
+        return f"{row.key:<50}{row.state}: {row.message}"
     mark = {True: "holds", False: "FAILS", None: ""}[row.holds]
     bar = "" if row.bar is None else f"{row.sense} {_short(row.bar)}"
     seconds = ", ".join(f"{name} {s.wall:.3g}" for name, s in row.seconds.items())
     others = "" if row.others is None else f"{row.others:.2f}"
     clock = "" if row.clock is None else f" by {row.clock}"
-    return (f"{row.key:<42}{_short(row.value) + ' ' + row.unit:>9}  {bar:>9}  {mark:5} {_spread(row.wall):<26}"
+    return (f"{row.key:<50}{_short(row.value) + ' ' + row.unit:>9}  {bar:>9}  {mark:5} {_spread(row.wall):<26}"
             f"{_spread(row.cpu):<26}{row.turns:>5}{others:>7}  {seconds}{clock}")
 
 

@@ -4,10 +4,23 @@ from __future__ import annotations
 
 from reference_tracer.errors import InputError
 
-from . import exact_vs_paper, exact_vs_port, first_picture, mitsuba_mesh, objects, paper_vs_port, resolution, threads
+from . import (
+    exact_vs_paper,
+    exact_vs_port,
+    first_hits,
+    first_picture,
+    mitsuba_mesh,
+    objects,
+    paper_vs_port,
+    povray_isosurface,
+    povray_native,
+    resolution,
+    threads,
+)
 
-GROUPS = {group.NAME: group for group in (paper_vs_port, exact_vs_port, exact_vs_paper, mitsuba_mesh, threads,
-                                          resolution, objects, first_picture)}
+GROUPS = {group.NAME: group for group in (
+    paper_vs_port, exact_vs_port, exact_vs_paper, povray_isosurface, povray_native, mitsuba_mesh, threads, resolution,
+    objects, first_picture, first_hits)}
 
 
 def find(names: list[str]) -> list:
