@@ -1,0 +1,181 @@
+"""A whole scene as POV-Ray's scene description language (SDL)."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from converters.mesh.occupied import tight_box
+from converters.mesh.placed import Placed
+from converters.mesh.reach import reach_in_frame
+from reference_tracer.camera import frame
+from reference_tracer.errors import InputError, UnsupportedError
+from reference_tracer.scene.model import Object, Scene
+
+from . import materials, passes, shapes
+from .distance import ISOSURFACE_END, NATIVE_END, far_shadows, origins, within_distance
+from .gradient import max_gradient
+from .media import refractive_indices
+from .text import DECLARED
+from .words import number, vector
+
+SHAPES = ("native", "isosurface")
+SHOWN = ("color", "share", "object", "distance", "normal")
+ACCURACY = 1e-8  # of isosurfaces, in the scene's unit; a tighter one gains nothing
+
+HEAD = """#version 3.7;
+global_settings {{ assumed_gamma 1.0 ambient_light rgb 1 adc_bailout 0 max_trace_level {level} }}
+#default {{ finish {{ ambient 0 emission 0 diffuse 0 brilliance 1 phong 0 specular 0 reflection 0 }} }}"""
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """A scene bound to its conversion: `text` writes it, as often as asked, with whatever is to be shown."""
+
+    scene: Scene
+    end: float  # how far POV-Ray's rays reach; the scene is magnified by end / max_distance
+    brightest: float  # lights and background are divided by it, because POV-Ray's pictures end at 1
+    indices: list[float]  # the refractive indices that POV-Ray needs
+    containers: dict[int, np.ndarray]  # (2, 3) for every object that is an isosurface, in its own frame
+    gradients: dict[int, float]  # its max_gradient
+    proven: frozenset[int]  # those whose max_gradient is one for sure
+    accuracy: float
+    remark: str  # what is not proven to be expressed, in a few words; "" if nothing
+    needs_share: bool  # whether the background has to be added to the picture: 1 - share of it
+
+    @property
+    def scale(self) -> float:
+        return self.end / self.scene.tracing.max_distance
+
+    def text(self, shown: str = "color") -> str:
+        """The scene in SDL. `shown` is one of SHOWN; "share" is the weight of objects' own colours in a pixel."""
+        if shown not in SHOWN:
+            raise InputError(f"POV-Ray can be made to show one of {', '.join(SHOWN)}; found {shown!r}")
+        through = shown in ("color", "share")
+        lines = [HEAD.format(level=self.scene.tracing.max_depth + 1 if through else 1), DECLARED, self._camera(),
+                 self._background(shown)]
+        if shown == "distance":
+            lines.append(passes.declare_distance(self.scale * np.array(self.scene.camera.position), self.end))
+        if shown == "color":
+            lines += self._lights()
+        for k, obj in enumerate(self.scene.objects):
+            lines += [f"{shape} {dress} }} // object {k}" for shape, dress in self._parts(k, obj, shown)]
+        return "\n".join(lines) + "\n"
+
+    def with_gradients(self, gradients: dict[int, float]) -> Conversion:
+        """The same with other values of max_gradient for some objects."""
+        return replace(self, gradients={**self.gradients, **gradients})
+
+    def _camera(self) -> str:
+        f = frame(self.scene.camera)  # POV-Ray's rays go through the middles of pixels too, whatever the aspect
+        return (f"camera {{ perspective location {vector(self.scale * f.v_pos)} right {vector(f.v_x * f.ratio * f.width)} "
+                f"up {vector(f.v_y * f.ratio * f.height)} direction {vector(f.v_dir)} }}")
+
+    def _background(self, shown: str) -> str:
+        color = np.array(self.scene.background) / self.brightest
+        return f"background {{ rgb {vector(color if shown == 'color' and not self.needs_share else [0, 0, 0])} }}"
+
+    def _lights(self) -> list[str]:
+        shadowless = "" if "shadow" in self.scene.tracing.effects else " shadowless"
+        return [f"light_source {{ {vector(self.scale * np.array(light.position))} "
+                f"rgb {vector(np.array(light.brightness) / self.brightest)}{shadowless} }}" for light in self.scene.lights]
+
+    def _parts(self, k: int, obj: Object, shown: str) -> list[tuple[str, str]]:
+        """The shapes and materials that stand for object `k`; a part that casts no shadow has a twin that does."""
+        whole, seen = self._shapes(k, obj)
+        if whole is None:
+            return []
+        match shown:
+            case "object":
+                return [(seen, passes.object_number(k))]
+            case "distance":
+                return [(seen, passes.DISTANCE)]
+            case "normal":
+                return [(seen, passes.NORMAL)]
+        own, m = materials.LIT if shown == "color" else materials.GLOWING, obj.material
+        if m.transparency:
+            return [(seen, materials.body(m, self.indices[k], own)), (whole, materials.twin(m))]
+        if seen != whole:
+            return [(seen, f"{materials.opaque(m, own)} no_shadow"), (whole, materials.twin(m))]
+        return [(seen, materials.opaque(m, own))]
+
+    def _shapes(self, k: int, obj: Object) -> tuple[str | None, str | None]:
+        """The whole shape of object `k`, and what rays that look for a hit may see of it; None where that is nothing."""
+        inverse = " inverse" if obj.surface.inside == "positive" else ""
+        if k not in self.containers:
+            whole = shapes.native(obj, self.scale) + inverse
+            return whole, whole
+        if self.containers[k] is None:
+            return None, None
+        whole = shapes.isosurface(obj, self.scale, self.containers[k], self.accuracy, self.gradients[k]) + inverse
+        if self.end == ISOSURFACE_END or within_distance(self.scene, obj):
+            return whole, whole
+        eye = vector(self.scale * np.array(self.scene.camera.position))
+        return whole, f"{whole} clipped_by {{ sphere {{ {eye}, {number(self.end)} }} }}"
+
+
+def object_of(line: str) -> int | None:
+    """The object, in scene order, that a line of the text is about."""
+    found = re.search(r"// object (\d+)$", line)
+    return int(found[1]) if found else None
+
+
+def convert(scene: Scene, shapes: str = "native", accuracy: float = ACCURACY) -> Conversion:
+    """`scene` for POV-Ray. Raises UnsupportedError, with the reason, where POV-Ray cannot show what the document says.
+
+    `shapes` "native" takes POV-Ray's own primitives and isosurfaces for the rest, "isosurface" takes isosurfaces only;
+    they are found to `accuracy`, in the scene's unit of length.
+    """
+    if shapes not in SHAPES:
+        raise InputError(f"shapes must be one of {', '.join(SHAPES)}; found {shapes!r}")
+    if not 1e-12 <= accuracy <= 1:
+        raise InputError(f"the accuracy of isosurfaces must lie between 1e-12 and 1; found {accuracy}")
+    _require_expressible(scene)
+    only = shapes == "isosurface"
+    as_isosurface = [k for k, o in enumerate(scene.objects) if only or not _has_native(o)]
+    starts = origins(scene)
+    from_camera_only = starts is not None and np.all(starts[0] == starts[1])
+    far = [k for k in as_isosurface if not from_camera_only and not within_distance(scene, scene.objects[k])]
+    if far and not only:
+        name = scene.objects[far[0]].name or scene.objects[far[0]].surface.type
+        raise UnsupportedError(f"{name} is an isosurface that rays may meet beyond max_distance, where POV-Ray does not "
+                               "end those; povray-isosurface can show the scene")
+    end = ISOSURFACE_END if far else NATIVE_END
+    containers = {k: _container(scene, scene.objects[k]) for k in as_isosurface}
+    gradients = {k: max_gradient(Placed(scene.objects[k]), box) for k, box in containers.items() if box is not None}
+    proven = frozenset(k for k, (_, is_proof) in gradients.items() if is_proof)
+    brightest = max(*(sum(light.brightness[c] for light in scene.lights) for c in range(3)), *scene.background) or 1.0
+    goes_on = any(o.material.reflection or o.material.transparency for o in scene.objects)
+    return Conversion(scene, end, brightest, refractive_indices(scene), containers,
+                      {k: value for k, (value, _) in gradients.items()}, proven, accuracy,
+                      remark=far_shadows(scene) if end == NATIVE_END else "",
+                      needs_share=goes_on and any(scene.background))
+
+
+def scene_text(scene: Scene, shown: str = "color", **options) -> str:
+    """`scene` in SDL; for the options see `convert`, for `shown` see `Conversion.text`."""
+    return convert(scene, **options).text(shown)
+
+
+def _has_native(obj: Object) -> bool:
+    return shapes.native(obj, 1.0) is not None
+
+
+def _container(scene: Scene, obj: Object) -> np.ndarray | None:
+    """(2, 3): a box in the object's own frame that holds what rays can meet of it; None where that is nothing."""
+    placed = Placed(obj)
+    own = shapes.own_container(placed)
+    return own if own is not None else tight_box(placed, reach_in_frame(scene, placed))
+
+
+def _require_expressible(scene: Scene) -> None:
+    tracing = scene.tracing
+    if tracing.refraction != "snell":
+        raise UnsupportedError("POV-Ray refracts by Snell's law; the misprinted formula (decision E1) cannot be expressed")
+    for name in ("cutoff", "adaptive"):
+        if getattr(tracing, name):
+            raise UnsupportedError(f"POV-Ray has no counterpart of {name}; set it to 0")
+    if missing := {"reflection", "refraction"} - set(tracing.effects):
+        raise UnsupportedError(f"POV-Ray cannot leave out {' and '.join(sorted(missing))} rays as the document's tracer does")
