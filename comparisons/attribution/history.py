@@ -2,51 +2,55 @@
 
 from __future__ import annotations
 
-import sys
-
 import numpy as np
 
-from reference_tracer.backend import backend
-from reference_tracer.render import Picture
+from reference_tracer import render
 from reference_tracer.scene.model import Scene
 
 from .records import History, Ray
 
 MOST_RAYS = 64  # shown of a pixel
-TOO_MANY = "the first {} of {} rays"
+
+
+class _Recorder(render.Watch):
+    """Notes what every ray of one pixel meets."""
+
+    def __init__(self, scene: Scene, pixel: int):
+        self.scene, self.pixel, self.rays = scene, pixel, []
+
+    def begin(self, world, first, count):
+        self.world, self.first = world, first
+
+    def observe(self, wave, collision) -> None:
+        numpy = lambda array: np.atleast_1d(array.numpy()).T
+        wide = lambda array, count: np.broadcast_to(array, (count, *array.shape[1:]))
+        slot = numpy(wave.slot)
+        weight = wide(numpy(wave.weight), len(slot))
+        mine = np.flatnonzero((slot + self.first == self.pixel) & (weight > 0))
+        if not len(mine):
+            return
+        pick = lambda array: wide(numpy(array), len(slot))[mine]
+        index, refracted = pick(collision.hit.index), None if wave.refracted is None else pick(wave.refracted)
+        columns = [pick(c) for c in (collision.hit.t, collision.point, collision.normal, collision.lights_reached,
+                                     collision.color)]
+        for k, (t, point, normal, lights, color) in enumerate(zip(*columns)):
+            hit = index[k] < self.world.object_count
+            kind = "camera" if wave.generation == 0 else \
+                "refraction" if refracted is not None and refracted[k] else "reflection"
+            self.rays.append(Ray(
+                generation=wave.generation, kind=kind, object=name_of(self.scene, int(index[k])) if hit else None,
+                t=float(t) if hit else None, point=triple(point) if hit else None, normal=triple(normal) if hit else None,
+                lights=int(lights) if hit else None, weight=float(weight[mine[k]]), color=triple(color)))
 
 
 def ours(scene: Scene, row: int, col: int, method: str, title: str) -> History:
     """The rays of pixel (row, col) as the reference traces them."""
-    # by way of the modules: a fault may have been put into them
-    render, wavefront, world_module = (sys.modules[f"reference_tracer.{name}"] for name in ("render", "wavefront", "world"))
-    world = world_module.World(scene, method, backend())
-    samples, rays = scene.tracing.samples, []
-
-    def observe(wave, collision) -> None:
-        column = lambda array: np.atleast_1d(array.numpy()).T
-        slot = column(wave.weight) > 0
-        index, refracted = column(collision.hit.index), None if wave.refracted is None else column(wave.refracted)
-        values = {"t": column(collision.hit.t), "point": column(collision.point), "normal": column(collision.normal),
-                  "color": column(collision.color)}
-        weight, lights = column(wave.weight), column(collision.lights_reached)
-        for k in np.flatnonzero(np.broadcast_to(slot, len(values["point"]))):
-            pick = lambda array: array[k if len(array) > 1 else 0]
-            hit = pick(index) < world.object_count
-            kind = "camera" if wave.generation == 0 else \
-                "refraction" if refracted is not None and pick(refracted) else "reflection"
-            rays.append(Ray(
-                generation=wave.generation, kind=kind, object=name_of(scene, int(pick(index))) if hit else None,
-                t=float(pick(values["t"])) if hit else None, point=triple(pick(values["point"])) if hit else None,
-                normal=triple(pick(values["normal"])) if hit else None, lights=int(pick(lights)) if hit else None,
-                weight=float(pick(weight)), color=triple(pick(values["color"]))))
-
-    first = row * scene.camera.width + col
-    wavefront.trace(world, render.camera_wave(world, world.camera_sides(), first, 1, samples), 2, observe)
-    return shortened(title, rays)
+    recorder = _Recorder(scene, row * scene.camera.width + col)
+    render.render(scene, method, watch=recorder)
+    return shortened(title, recorder.rays)
 
 
-def of_planes(picture: Picture, row: int, col: int, title: str) -> History:
+def of_planes(picture: render.Picture, row: int, col: int, title: str) -> History:
     """The camera's ray through the pixel's centre, from a picture's planes."""
     hit = int(picture.index[row, col]) >= 0
     finite = lambda plane: triple(plane[row, col]) if hit and np.isfinite(plane[row, col]).all() else None
@@ -69,5 +73,5 @@ def triple(values) -> tuple[float, float, float]:
 def shortened(title: str, rays: list[Ray]) -> History:
     """The rays in the order of their generations, the weightiest first."""
     rays = sorted(rays, key=lambda r: (r.generation, -(r.weight or 0)))
-    note = TOO_MANY.format(MOST_RAYS, len(rays)) if len(rays) > MOST_RAYS else ""
+    note = f"the first {MOST_RAYS} of {len(rays)} rays" if len(rays) > MOST_RAYS else ""
     return History(renderer=title, rays=rays[:MOST_RAYS], note=note)
