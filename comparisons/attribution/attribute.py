@@ -38,13 +38,13 @@ def attribute(scene: Scene, a: Callable[[Scene], Picture], b: Callable[[Scene], 
     asked, evidence, explained, named = Asked(a, b), [], None, None
     for stage in STAGES:
         if named:
-            evidence.append(Evidence(stage=stage, question="", outcome="not asked"))
+            evidence.append(Evidence(stage=stage, outcome="not asked"))
             continue
         progress(stage)
         entry, finding, explained = _asked(stage, asked, scene, explained)
         if finding and stage in TURNABLE and (words := explanation(asked, finding.pair, finding.mask)):
-            evidence[0] = _evidence("camera", finding, f"{finding.question}; {words}", diverges=True)
-            evidence += [Evidence(stage=later, question="", outcome="not asked") for later in STAGES[len(evidence):]]
+            evidence[0] = _evidence("camera", finding, [finding.question], diverges=True)
+            evidence += [Evidence(stage=later, outcome="not asked") for later in STAGES[len(evidence):]]
             return _attribution(scene, a, b, "camera", finding, words, evidence)
         evidence.append(entry)
         named = finding and (stage, finding)
@@ -62,7 +62,7 @@ def _asked(stage: Stage, asked: Asked, scene: Scene, explained) -> tuple[Evidenc
             mask = mask & ~strays
         if finding.pair.significant(mask):
             finding = Finding(finding.question, finding.pair, mask, finding.error, finding.unit, finding.detail)
-            return _evidence(stage, finding, finding.question, diverges=True), finding, explained
+            return _evidence(stage, finding, [finding.question], diverges=True), finding, explained
         findings.append(Finding(finding.question, finding.pair, mask, finding.error, finding.unit))
     for finding in findings:
         if explained is None:
@@ -70,16 +70,16 @@ def _asked(stage: Stage, asked: Asked, scene: Scene, explained) -> tuple[Evidenc
         elif finding.mask.shape == explained.shape:
             explained = explained | finding.mask
     if not findings:
-        return Evidence(stage=stage, question="", outcome="not asked"), None, explained
-    questions = "; ".join(dict.fromkeys(f.question for f in findings))
+        return Evidence(stage=stage, outcome="not asked"), None, explained
+    questions = list(dict.fromkeys(f.question for f in findings))
     worst = max(findings, key=lambda f: int(f.mask.sum()))
     return _evidence(stage, worst, questions, diverges=False), None, explained
 
 
-def _evidence(stage: Stage, finding: Finding, question: str, diverges: bool) -> Evidence:
+def _evidence(stage: Stage, finding: Finding, questions: list[str], diverges: bool) -> Evidence:
     count = int(finding.mask.sum())
     largest = float(finding.error[finding.mask].max()) if count else None
-    return Evidence(stage=stage, question=question, outcome="diverges" if diverges else "agrees",
+    return Evidence(stage=stage, questions=questions, outcome="diverges" if diverges else "agrees",
                     pixels=int(finding.pair.bound.decided.sum()), diverging=count, largest=largest, unit=finding.unit)
 
 

@@ -20,7 +20,8 @@ class Evidence(Record):
     """What one stage was asked, and what came of it."""
 
     stage: Stage
-    question: str = Field(description="the derived scene, in a few words; empty where the scene has no such stage")
+    questions: list[str] = Field([], description="the derived scenes, in a few words; none where the scene has no such "
+                                 "stage, or an earlier one diverged")
     outcome: Outcome
     pixels: int = Field(0, description="pixels that could be judged")
     diverging: int = Field(0, description="those apart by more than their bound, and by nothing an earlier stage explains")
@@ -77,6 +78,14 @@ class Attribution(Record):
     pixels: list[WorstPixel] = []
 
 
+class Judged(Record):
+    """What a child process finds."""
+
+    found: bool | None = Field(description="whether the comparison of the pictures differs; None: not asked")
+    reason: str = Field(description="the comparison's reason")
+    attribution: Attribution
+
+
 class Judgement(Record):
     """What one renderer alone makes of a tracer that is wrong on purpose."""
 
@@ -113,5 +122,7 @@ class Table(Record):
     """The document attribution.json."""
 
     version: Literal[1] = 1
-    seconds: float
+    width: int
+    height: int
     rows: list[WrongOnPurpose]
+    command: str
