@@ -16,7 +16,8 @@ import reference_tracer
 
 from .results import Machine
 
-PACKAGES = ("raytruth", "drjit", "mitsuba", "numpy", "trimesh", "embreex", "scikit-image", "OpenImageIO", "karellen-llvm-core")
+PACKAGES = ("raytruth", "drjit", "mitsuba", "numpy", "trimesh", "embreex", "scikit-image", "OpenImageIO",
+            "karellen-llvm-core")
 
 
 def machine() -> Machine:

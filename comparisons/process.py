@@ -1,4 +1,7 @@
-"""The parent's side of a worker: asks, waits with a time limit, and starts a new one when it died."""
+"""The parent's side of a worker: asks, waits with a time limit, and starts a new one when it died.
+
+A worker leads a process group of its own. Whatever it started dies with it: no renderer outlives its case.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +12,13 @@ import selectors
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 
-
 LONGEST_ANSWER = 1 << 20  # bytes
+LAST_WORDS = 4096  # bytes kept of what a worker says on stderr
+LONGEST_MESSAGE = 500  # characters
+PIECE = 1 << 16
+STATES = ("ok", "crashed", "refused", "missing")
 
 
 class Worker:
@@ -22,7 +27,8 @@ class Worker:
     def __init__(self, command: list[str] | None = None):
         self.command = command or [sys.executable, "-m", "comparisons.worker"]
         self._process: subprocess.Popen | None = None
-        self._errors = None
+        self._said = b""
+        self._stopped = False
 
     def ask(self, request: dict, limit: float) -> dict:
         """The worker's answer; or {"state": "crashed" | "timeout" | "malformed", "message": ...}, never an exception.
@@ -31,33 +37,40 @@ class Worker:
         """
         try:
             self._start()
-            self._process.stdin.write(json.dumps(request) + "\n")
-            self._process.stdin.flush()
-            line = self._read_line(limit)
+            line = self._exchange(json.dumps(request).encode() + b"\n", limit)
         except TimeoutError:
             self.close()
             return {"state": "timeout", "message": f"gave no answer within {limit:g} s"}
-        except OSError:
-            line = ""
-        if not line:
-            return {"state": "crashed", "message": self._obituary()}
+        except OSError as error:  # it died before it had read the request, or could not even be started
+            if self._process is None:
+                return {"state": "crashed", "message": f"the renderer's process could not be started ({error.strerror})"}
+            line = b""
+        if b"\n" not in line:
+            return {"state": "crashed", "message": self._obituary(line)}
         try:
             answer = json.loads(line)
-            if answer["state"] not in ("ok", "crashed", "refused", "missing"):
+            if answer["state"] not in STATES or not isinstance(answer.get("facts", {}), dict):
                 raise ValueError
-            return answer
-        except (ValueError, KeyError, TypeError):
+            return {**answer, "message": str(answer.get("message", ""))[:LONGEST_MESSAGE]}
+        except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
             self.close()
-            return {"state": "malformed", "message": f"answered {line[:80]!r}, which is not an answer"}
+            return {"state": "malformed", "message": f"answered {_text(line[:80])!r}, which is not an answer"}
 
     def close(self) -> None:
+        """Ends the process and all it started."""
         if self._process:
-            self._process.kill()
+            self._kill()
             self._process.wait()
-            self._process.stdin.close()
-            self._process.stdout.close()
-            self._errors.close()
+            for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
+                with contextlib.suppress(OSError):  # what was written last may find nobody left to read it
+                    pipe.close()
             self._process = None
+
+    def stop(self) -> None:
+        """Ends the process for good, from another thread: whoever waits for its answer learns that it died."""
+        self._stopped = True
+        with contextlib.suppress(AttributeError):  # the other thread has just closed it
+            self._kill()
 
     def __enter__(self):
         return self
@@ -66,43 +79,100 @@ class Worker:
         self.close()
 
     def _start(self) -> None:
-        if self._process and self._process.poll() is None:
+        if self._process and not self._ended() and self._is_silent():
             return
         self.close()
-        self._errors = tempfile.TemporaryFile("w+", errors="replace")
+        self._said = b""
         self._process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                         stderr=self._errors, text=True)
+                                         stderr=subprocess.PIPE, bufsize=0, process_group=0)
+        for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
+            os.set_blocking(pipe.fileno(), False)
+        if self._stopped:
+            self._kill()
 
-    def _read_line(self, limit: float) -> str:
-        """One line of the worker's output, "" at its end. Read piecewise: a line that never ends must time out too."""
-        deadline, line, pipe = time.monotonic() + limit, b"", self._process.stdout.fileno()
+    def _is_silent(self) -> bool:
+        """Whether stdout is open and empty: a second answer to the last request must not be taken for the next one's."""
+        try:
+            os.read(self._process.stdout.fileno(), PIECE)
+        except BlockingIOError:
+            return True
+        return False
+
+    def _kill(self) -> None:
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+
+    def _ended(self) -> bool:
+        """Whether the process has ended. It is not reaped: its id stays taken, so that its group can still be killed."""
+        return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+
+    def _exchange(self, request: bytes, limit: float) -> bytes:
+        """Sends `request`; the line that comes back, or what there is of it when the process ended or closed its output.
+
+        Both ways piecewise: a worker that reads nothing, or whose line never ends, must time out too. What it says on
+        stderr is read on the way, so that it cannot block on a full pipe, and all but the last words are forgotten.
+        """
+        process, deadline, line = self._process, time.monotonic() + limit, b""
         with selectors.DefaultSelector() as selector:
-            selector.register(pipe, selectors.EVENT_READ)
-            while not line.endswith(b"\n"):
-                if selector.select(timeout=0.25):
-                    piece = os.read(pipe, 1 << 16)
+            selector.register(process.stdin, selectors.EVENT_WRITE)
+            selector.register(process.stdout, selectors.EVENT_READ)
+            selector.register(process.stderr, selectors.EVENT_READ)
+            while True:
+                ended = self._ended()  # before reading: what it wrote until then is read below
+                ready = [key.fileobj for key, _ in selector.select(0 if ended else 0.25)]
+                if process.stdin in ready:
+                    request = request[os.write(process.stdin.fileno(), request[:PIECE]):]
+                    if not request:
+                        selector.unregister(process.stdin)
+                if process.stderr in ready and not self._listen():
+                    selector.unregister(process.stderr)
+                if process.stdout in ready:
+                    piece = os.read(process.stdout.fileno(), PIECE)
                     line += piece
-                    if not piece:
-                        return ""
-                    if len(line) > LONGEST_ANSWER:
-                        raise OSError("answer too long")
+                    if not piece or b"\n" in piece or len(line) > LONGEST_ANSWER:
+                        return line
+                elif ended:  # a child of it may hold the pipe open
+                    return line
                 if time.monotonic() > deadline:
                     raise TimeoutError
-        return line.decode(errors="replace")
 
-    def _obituary(self) -> str:
-        if self._process is None:
-            return "the renderer's process could not be started"
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(timeout=5)
-        code = self._process.poll()
-        self._errors.seek(0)
-        said = [line.strip() for line in self._errors.read()[-4000:].splitlines() if line.strip()]
+    def _listen(self) -> bool:
+        """Reads a piece of stderr; whether there may be more."""
+        try:
+            piece = os.read(self._process.stderr.fileno(), PIECE)
+        except BlockingIOError:
+            return False
+        self._said = (self._said + piece)[-LAST_WORDS:]
+        return bool(piece)
+
+    def _obituary(self, line: bytes) -> str:
+        if len(line) > LONGEST_ANSWER:
+            self.close()
+            return f"the renderer's process answered more than {LONGEST_ANSWER >> 10} KiB"
+        patience = time.monotonic() + 2
+        while not self._ended() and time.monotonic() < patience:
+            time.sleep(0.02)
+        ended, pieces = self._ended(), 0
+        while self._listen() and pieces < 100:  # a child of it may go on talking
+            pieces += 1
+        process = self._process
         self.close()
-        if code is None:
+        if not ended:
             how = "closed its output"
-        elif code < 0:
-            how = f"was killed by {signal.Signals(-code).name}"
+        elif process.returncode < 0:
+            how = f"was killed by {_signal_name(-process.returncode)}"
         else:
-            how = f"ended with exit code {code}"
+            how = f"ended with exit code {process.returncode}"
+        said = [words for line in _text(self._said).splitlines() if (words := line.strip())]
         return f"the renderer's process {how}" + (f"; its last words: {said[-1][:300]}" if said else "")
+
+
+def _text(piece: bytes) -> str:
+    return piece.decode(errors="replace")
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:  # a real-time signal
+        return f"signal {number}"

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from pydantic import ValidationError
 
 from reference_tracer.image_files import load_npz
 from reference_tracer.scene.model import Scene
@@ -16,6 +17,7 @@ from reference_tracer.scene.model import Scene
 from . import renderers
 from .machine import packages, source_hash
 from .metrics import Planes
+from .planes import problem
 from .process import Worker
 from .results import RUNS, Run, Timing
 
@@ -64,19 +66,26 @@ class RunStore:
         """Makes the run in `worker`. Whatever goes wrong is told by the run's state; nothing is raised for it."""
         renderer = renderers.find(request.renderer)
         planes = f"{RUNS}/{request.key}.npz"
+        file = self.folder / planes
+        file.unlink(missing_ok=True)  # left by a run that was interrupted: it must not pass for this one's
         answer = worker.ask({"renderer": request.renderer, "settings": request.settings,
                              "scene": request.scene.model_dump_json(by_alias=True),
-                             "planes": str(self.folder / planes)}, limit)
-        state, message = answer["state"], answer.get("message", "")
-        if state == "ok" and (problem := self._problem(request, planes)):
-            state, message = "malformed", problem
-        facts = answer.get("facts", {})
-        run = Run(key=request.key, scene=request.scene.name, renderer=request.renderer, title=renderer.title,
-                  settings={**renderer.settings, **request.settings}, state=state, message=message,
-                  planes=planes if state == "ok" else None,
-                  timing=Timing(**{name: facts.get(name) for name in TIMINGS}),
-                  facts={k: v for k, v in facts.items() if k not in TIMINGS}, command=request.command)
-        if state == "ok":
+                             "planes": str(file)}, limit)
+        state, message, facts = answer["state"], answer.get("message", ""), answer.get("facts", {})
+        if state == "ok" and (wrong := problem(file, request.scene)):
+            state, message = "malformed", wrong
+        about = {"key": request.key, "scene": request.scene.name, "renderer": request.renderer, "title": renderer.title,
+                 "settings": {**renderer.settings, **request.settings}, "command": request.command}
+        try:
+            run = Run(**about, state=state, message=message, planes=planes if state == "ok" else None,
+                      timing=Timing(**{name: facts.get(name) for name in TIMINGS}),
+                      facts={k: v for k, v in facts.items() if k not in TIMINGS})
+        except ValidationError:
+            run = Run(**about, state="malformed", message="told facts that are no numbers or texts")
+        if run.state != "ok":
+            for leftover in (file, file.with_suffix(".part")):
+                leftover.unlink(missing_ok=True)
+        else:
             record = self.folder / RUNS / f"{request.key}.json"
             part = record.with_suffix(".part")
             part.write_text(run.model_dump_json(), encoding="utf-8")
@@ -87,14 +96,3 @@ class RunStore:
         """The image planes of a finished run, and the camera's position under "camera"."""
         planes, _ = load_npz(self.folder / run.planes)
         return {**planes, "camera": np.array(scene.camera.position)}
-
-    def _problem(self, request: Request, planes: str) -> str | None:
-        """What is wrong with the planes a renderer wrote, if anything."""
-        camera = request.scene.camera
-        try:
-            shape = load_npz(self.folder / planes)[0]["color"].shape
-        except Exception as error:  # written by another process: anything may be in there
-            return f"left planes that cannot be read ({type(error).__name__})"
-        if shape != (camera.height, camera.width, 3):
-            return f"left a picture of {shape[1]} x {shape[0]} instead of {camera.width} x {camera.height} pixels"
-        return None

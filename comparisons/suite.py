@@ -84,6 +84,7 @@ def _make_all(requests: list[Request], store: RunStore, options: Options) -> dic
     runs = {r.key: run for r in requests if (run := store.finished(r))}
     waiting = deque(r for r in requests if r.key not in runs)
     progress, lock = Progress(len(waiting), options.quiet), threading.Lock()
+    started: list[Worker] = []
 
     def work() -> None:
         with ExitStack() as stack:
@@ -95,6 +96,7 @@ def _make_all(requests: list[Request], store: RunStore, options: Options) -> dic
                     return
                 if request.renderer not in workers:
                     workers[request.renderer] = stack.enter_context(Worker())
+                    started.append(workers[request.renderer])
                 run = store.make(request, workers[request.renderer], options.limit)
                 with lock:
                     runs[request.key] = run
@@ -103,9 +105,13 @@ def _make_all(requests: list[Request], store: RunStore, options: Options) -> dic
     with ExitStack() as stack:
         stack.callback(progress.close)
         pool = stack.enter_context(ThreadPoolExecutor(options.jobs))
-        stack.callback(waiting.clear)  # an interrupted suite starts nothing new
-        for future in [pool.submit(work) for _ in range(options.jobs)]:
-            future.result()
+        try:
+            for future in [pool.submit(work) for _ in range(options.jobs)]:
+                future.result()
+        finally:  # an interrupted suite starts nothing new and waits for nothing; one that is done has nothing left
+            waiting.clear()
+            for worker in started:
+                worker.stop()
     return {r.key: runs[r.key] for r in requests}
 
 
