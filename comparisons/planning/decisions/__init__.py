@@ -1,0 +1,16 @@
+"""What is decided, in this order: one file a parameter, each with a function `decide(search) -> Decision`.
+
+Where nothing changes the decision's `change` is None. A decision never makes a picture dearer, so that a later one
+may rely on the earlier ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..search import Decision, Search
+from . import cutoff, depth, distance, effects, first_hit, objects, precision, samples
+
+ORDER: tuple[Callable[[Search], list[Decision]], ...] = (
+    objects.decide, effects.decide, cutoff.decide, depth.decide, first_hit.decide, samples.decide, distance.decide,
+    precision.decide)

@@ -1,0 +1,135 @@
+"""What planning leaves behind: for every scene the decisions with their evidence, the proof, and what was saved."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field
+
+from .. import document
+from ..bench.results import Clock, Seconds, Spread
+from ..document import Record
+from ..machine import machine
+from ..results import Machine, State
+
+FILE = "plan.json"
+COMMAND = "raytruth plan"
+
+
+class Trial(Record):
+    """One value that was tried for a parameter, the decisions before it in force."""
+
+    value: str
+    change: float = Field(description="largest change of any channel of a pixel of the deciding half against the truth")
+    holds: bool = Field(description="whether that leaves enough of the tolerance")
+
+
+class DecisionRecord(Record):
+    """What was decided about one parameter."""
+
+    parameter: str
+    written: str = Field(description="its value in the scene as written")
+    planned: str
+    changed: bool
+    withdrawn: bool = Field(False, description="taken back because all decisions together exceeded the tolerance")
+    evidence: str = Field(description="why, in a few words with their numbers")
+    trials: list[Trial] = []
+
+
+class Proof(Record):
+    """The planned scene against the scene as written with exact intersections, on pixels that decided nothing."""
+
+    pixels: int = Field(description="of the whole picture")
+    held_back: int = Field(description="pixels that were not used to decide anything")
+    largest: float = Field(description="largest difference of any channel of a held-back pixel that is not excused")
+    excused: int = Field(description="held-back pixels over the tolerance by no more than rounding alone may change them")
+    excused_largest: float = 0.0
+    most_excused: int = Field(description="how many may be excused")
+    holds: bool
+
+
+class Ratio(Record):
+    """How many times longer the scene as written takes than the planned one, turn by turn."""
+
+    method: str = Field(description="with which the scene as written was rendered")
+    wall: Spread
+    cpu: Spread
+    clock: Clock = Field(description="the one that counts: wall on a quiet machine, else processor time")
+
+    @property
+    def value(self) -> float:
+        return (self.wall if self.clock == "wall" else self.cpu).median
+
+
+class Saved(Record):
+    """What the plan saves; all kernels compiled before."""
+
+    ratios: list[Ratio]
+    turns: int
+    others: float = Field(description="cores that other programs of the machine kept busy meanwhile")
+    seconds: dict[str, Seconds]
+    rays: dict[str, int] = Field(description="camera and secondary rays, with those that pad queues")
+
+    def ratio(self, method: str) -> Ratio:
+        return next(r for r in self.ratios if r.method == method)
+
+
+class MeshTrial(Record):
+    """Mitsuba on meshes of one resolution, against the same truth on the same held-back pixels."""
+
+    resolution: int
+    state: State
+    message: str = ""
+    over: int | None = Field(None, description="pixels over the tolerance that rounding does not excuse")
+    largest: float | None = None
+    build: float | None = Field(None, description="seconds to make the meshes")
+    warm: float | None = Field(None, description="seconds to trace them, everything compiled")
+
+
+class Plan(Record):
+    """The plan for one scene."""
+
+    scene: str
+    title: str
+    figure: str
+    hash: str
+    width: int
+    height: int
+    samples: int
+    tolerance: float
+    margin: float = Field(description="share of the tolerance that the decisions were allowed to use")
+    attempts: int = Field(description="plans made; all but the last failed their proof")
+    seconds: float = Field(description="spent on finding and proving, compilation included")
+    decisions: list[DecisionRecord]
+    proof: Proof
+    saved: Saved
+    meshes: list[MeshTrial] = []
+    planned: dict = Field(description="the planned scene, as a scene file says it")
+    command: str
+
+
+class Plans(Record):
+    """The plans of several scenes."""
+
+    version: Literal[1] = 1
+    created: str
+    machine: Machine
+    plans: list[Plan]
+
+
+def read(folder: Path) -> Plans:
+    """The plans in `folder`. Raises InputError in one line."""
+    return document.read(folder / FILE, Plans, COMMAND)
+
+
+def document_of(plans: list[Plan]) -> Plans:
+    return Plans(created=datetime.now(UTC).isoformat(timespec="seconds"), machine=machine(), plans=plans)
+
+
+def add(plan: Plan, folder: Path) -> Path:
+    """Puts `plan` among those in `folder`, in place of an earlier one of the same scene."""
+    others = [p for p in read(folder).plans if p.scene != plan.scene] if (folder / FILE).exists() else []
+    plans = sorted([*others, plan], key=lambda p: p.scene)
+    return document.write(document_of(plans), folder / FILE)

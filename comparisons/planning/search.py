@@ -1,0 +1,82 @@
+"""The state of a search: the scene planned so far, and trials of what else it could do without."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reference_tracer.render import render
+from reference_tracer.scene.model import Scene
+
+from ..bench.timing import timed
+from .results import DecisionRecord, Trial
+from .seen import Seen
+from .yardstick import Yardstick
+
+Change = Callable[[Scene], Scene]
+TURNS = 3
+CHEAPER = 0.95  # of the time: less of a gain is within the noise of a few turns
+
+
+@dataclass
+class Decision:
+    """One decision: what it does to a scene (None: nothing), and what is told of it."""
+
+    parameter: str
+    written: str
+    planned: str
+    evidence: str
+    change: Change | None = None
+    trials: list[Trial] = field(default_factory=list)
+    withdrawn: bool = False
+
+    def record(self) -> DecisionRecord:
+        in_force = self.change is not None and not self.withdrawn
+        return DecisionRecord(parameter=self.parameter, written=self.written,
+                              planned=self.planned if in_force else self.written, changed=in_force,
+                              withdrawn=self.withdrawn, evidence=self.evidence, trials=self.trials)
+
+
+class OutOfTime(Exception):
+    """The search has used its time: what is decided stands, the rest stays as written."""
+
+
+class Search:
+    """`scene` is what is planned so far, at the size of the search; `written` the scene it began with."""
+
+    def __init__(self, yardstick: Yardstick, written: Scene, pixels: np.ndarray, limit: float, deadline: float):
+        self.yardstick, self.written, self.scene = yardstick, written, written
+        self.pixels, self.limit, self.deadline = pixels, limit, deadline
+        self.seen = Seen(yardstick.scene, pixels)
+        self._trials: list[Trial] = []
+
+    def holds(self, value: str, change: Change) -> bool:
+        """Tries `change` on top of what is planned so far. Raises OutOfTime."""
+        if time.monotonic() > self.deadline:
+            raise OutOfTime
+        candidate = change(self.scene)
+        difference = self.yardstick.difference(self.yardstick.change(candidate), self.pixels,
+                                               candidate.tracing.precision)
+        fits = difference.largest <= self.limit and difference.over == 0
+        self._trials.append(Trial(value=value, change=difference.largest, holds=fits))
+        return fits
+
+    def tried(self) -> list[Trial]:
+        """The trials since the last call."""
+        trials, self._trials = self._trials, []
+        return trials
+
+    def seconds(self, candidates: dict[str, Scene]) -> dict[str, float]:
+        """Processor seconds of each candidate, turn by turn, the least of several turns. Raises OutOfTime."""
+        for scene in candidates.values():
+            render(scene, "exact")  # compiles
+        found = {name: float("inf") for name in candidates}
+        for _ in range(TURNS):
+            if time.monotonic() > self.deadline:
+                raise OutOfTime
+            for name, scene in candidates.items():
+                found[name] = min(found[name], timed(lambda: render(scene, "exact")).cpu)
+        return found

@@ -1,0 +1,43 @@
+"""A plan as text."""
+
+from __future__ import annotations
+
+from .results import DecisionRecord, MeshTrial, Plan, Saved
+
+
+def told(plan: Plan) -> str:
+    """What was decided and why, what is proven, what is saved."""
+    head = f"{plan.scene}, {plan.width} x {plan.height}, tolerance {plan.tolerance:g}"
+    widths = [max(len(row[k]) for row in map(_cells, plan.decisions)) for k in range(3)] if plan.decisions else []
+    rows = ["  " + "  ".join([*(cell.ljust(width) for cell, width in zip(_cells(d), widths)), d.evidence]).rstrip()
+            for d in plan.decisions]
+    return "\n".join([head, *rows, f"  {_proof(plan)}", f"  {_saved(plan.saved)}", *map(_mesh, plan.meshes)])
+
+
+def _cells(d: DecisionRecord) -> tuple[str, str, str]:
+    if d.withdrawn:
+        return d.parameter, d.written, "withdrawn"
+    return d.parameter, d.written, f"-> {d.planned}" if d.changed else "stays"
+
+
+def _proof(plan: Plan) -> str:
+    proof = plan.proof
+    word = "PROVEN" if proof.holds else "NOT PROVEN"
+    return (f"{word} on {proof.held_back:,} pixels held back: largest difference {proof.largest:.2g}"
+            + (f"; rounding excuses {proof.excused} more (at most {proof.most_excused})" if proof.excused else "")
+            + (f"; attempt {plan.attempts}" if plan.attempts > 1 else "") + f"; found in {plan.seconds:.0f} s")
+
+
+def _saved(saved: Saved) -> str:
+    times = ", ".join(f"{r.value:.2f} x ({(r.wall if r.clock == 'wall' else r.cpu).low:.2f} to "
+                      f"{(r.wall if r.clock == 'wall' else r.cpu).high:.2f}) as {r.method}" for r in saved.ratios)
+    return (f"FASTER by {saved.ratios[0].clock} time than as written: {times}; rays {saved.rays['planned']:,} of "
+            f"{saved.rays['exact']:,}; {saved.turns} turns")
+
+
+def _mesh(trial: MeshTrial) -> str:
+    if trial.state != "ok":
+        return f"  meshes of {trial.resolution}: {trial.state}, {trial.message}"
+    if trial.over == 0:
+        return f"  meshes of {trial.resolution}: as good, largest difference {trial.largest:.2g}"
+    return f"  meshes of {trial.resolution}: {trial.over} pixels over the tolerance, up to {trial.largest:.2g}"
