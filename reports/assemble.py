@@ -10,6 +10,7 @@ from pathlib import Path
 
 from comparisons import results as comparison
 from reference_tracer.errors import InputError
+from reference_tracer.image_files import write_8_bit
 
 from . import mark, pictures, templating
 from .documents import read_all
@@ -31,7 +32,7 @@ def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *,
     """
     results_folder, output = Path(results_folder), Path(output_folder).resolve()
     results = comparison.read(results_folder)
-    report = arrange(results, read_all(results_folder))
+    report = arrange(results, read_all(results_folder), results_folder)
     _require_ours(output, results_folder.resolve())
     made_from = mark.fingerprint(results, results_folder)
     if mark.is_current(output, made_from):
@@ -77,6 +78,9 @@ def _write(report, results_folder: Path, folder: Path, progress: Callable[[float
     templates = templating.environment()
     pages = all_pages(report)
     files = {page.path: templating.rendered(templates, page, report, pages) for page in pages}
+    for path, pixels in {path: pixels for page in pages for path, pixels in page.pictures.items()}.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        write_8_bit(pixels, folder / path)
     for path, text in {**files, **templating.static(templates)}.items():
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_text(text, encoding="utf-8", newline="\n")

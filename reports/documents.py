@@ -7,8 +7,9 @@ from pathlib import Path
 
 from comparisons.document import Record
 from comparisons.stability import results as stability
+from comparisons.transport import results as transport
 
-READERS: dict[str, Callable[[Path], Record]] = {stability.FILE: stability.read}
+READERS: dict[str, Callable[[Path], Record]] = {stability.FILE: stability.read, transport.FILE: transport.read}
 
 
 def read_all(folder: Path) -> dict[str, Record]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -45,18 +46,22 @@ def read(run: Run, folder: Path) -> Planes:
     """The planes of `run`, from `folder`. Raises NoPlanes."""
     if run.planes is None:
         raise NoPlanes("The run left no picture.")
+    return _checked(load(run.planes, folder, SHAPES), run.planes)
+
+
+def load(name: str, folder: Path, planes: Iterable[str]) -> dict[str, np.ndarray]:
+    """The arrays called `planes` of the file `name` in `folder`, unchecked. Raises NoPlanes."""
     folder = folder.resolve()
-    path = (folder / run.planes).resolve()
+    path = (folder / name).resolve()
     if not path.is_relative_to(folder):
-        raise NoPlanes(f"{run.planes} lies outside the folder of the results and is not read.")
+        raise NoPlanes(f"{name} lies outside the folder of the results and is not read.")
     try:
         with np.load(path, allow_pickle=False) as file:  # what no page shows stays packed
-            arrays = {plane: file[plane] for plane in SHAPES}
+            return {plane: file[plane] for plane in planes}
     except FileNotFoundError:
-        raise NoPlanes(f"{run.planes} is missing from the folder of the results.") from None
+        raise NoPlanes(f"{name} is missing from the folder of the results.") from None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise NoPlanes(f"{run.planes} cannot be read ({error}).") from None
-    return _checked(arrays, run.planes)
+        raise NoPlanes(f"{name} cannot be read ({error}).") from None
 
 
 def _checked(arrays: dict[str, np.ndarray], name: str) -> Planes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from comparisons.document import Record
 from comparisons.results import Results, Run, SceneRecord
@@ -26,6 +27,7 @@ class Report:
     effects: list[Shown]  # of decisions on a picture
     documents: dict[str, Record]  # name of the file: what else was measured; each may be missing
     pictures: dict[str, ScenePictures]  # name of the scene: its files; filled as they are written
+    folder: Path  # of the results
 
     def of_scene(self, scene: SceneRecord) -> list[Case]:
         return [case for case in self.cases if case.scene.name == scene.name]
@@ -47,8 +49,8 @@ class Report:
         return next((runs[key].files["color"] for key in keys if key in runs), None)
 
 
-def arrange(results: Results, documents: dict[str, Record] | None = None) -> Report:
+def arrange(results: Results, documents: dict[str, Record] | None = None, folder: Path = Path()) -> Report:
     """Everything but the pictures. Raises InputError if the document contradicts itself."""
     found, failed = cases.cases(results), cases.failed_runs(results)
     return Report(results, found, failed, cases.tally(found, failed), [chart(s) for s in results.series], read(),
-                  effects(results), documents or {}, {})
+                  effects(results), documents or {}, {}, folder)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,20 +42,23 @@ def measure(case: Case) -> Measured:
     expected = picture.color if case.predicted is None else case.predicted(picture)
     compared = np.ones(allowance.shape, bool) if case.where is None else case.where(picture)
     smooth = compared & np.isfinite(allowance)
+    pixels, edges = int(compared.sum()), int((compared & ~smooth).sum())
+    coverage = [
+        _gate("pixels compared", pixels, max(1, round(FEWEST * compared.size)), "pixels", "pixels on which theory speaks",
+              at_least=True),
+        _gate("edge pixels", edges, round(MOST_EDGES * pixels), "pixels",
+              "pixels that Mitsuba's offset of ray origins may change visibly")]
+    if not smooth.any():
+        return Measured(picture.color, np.full_like(expected, np.nan), expected, compared, coverage, {})
     if case.ladder:
         seen, gates, metrics = _monte_carlo(case, expected, allowance, smooth)
     else:
         seen, gates, metrics = _deterministic(case, expected, compared, smooth)
-    pixels, edges = int(compared.sum()), int((compared & ~smooth).sum())
-    gates.append(_gate("pixels compared", pixels, round(FEWEST * compared.size), "pixels",
-                       "pixels on which theory speaks", at_least=True))
-    gates.append(_gate("edge pixels", edges, round(MOST_EDGES * pixels), "pixels",
-                       "pixels that Mitsuba's offset of ray origins may change visibly"))
     difference = pixel_error(picture.color, seen.mean)[compared]
     metrics |= {"pixels": int(compared.size), "pixels compared": pixels, "edge pixels": edges,
                 "mean difference from the document": float(difference.mean()),
                 "largest difference from the document": float(difference.max())}
-    return Measured(picture.color, seen.mean, expected, compared, gates, metrics)
+    return Measured(picture.color, seen.mean, expected, compared, gates + coverage, metrics)
 
 
 def _deterministic(case: Case, expected, compared, smooth):
@@ -63,14 +67,13 @@ def _deterministic(case: Case, expected, compared, smooth):
     lost = int((compared & np.isnan(error)).sum())
     error = np.where(np.isnan(error), np.inf, error)
     failing = error > VISIBLE
-    p99 = float(np.quantile(error[compared], 0.99)) if compared.any() else None
     gates = [
         _gate("not finite", lost, 0, "pixels", "pixels whose colour is NaN or infinite"),
-        _gate("color p99", p99, P99, "linear", "99 % of the compared pixels have a smaller error"),
+        _gate("color p99", float(np.quantile(error[compared], 0.99)), P99, "linear", "99 % of the compared pixels have a smaller error"),
         _gate("failing pixels", int((failing & smooth).sum()), 0, "pixels",
               "pixels off by more than one step of an 8-bit picture, away from edges")]
     metrics = {"color mean": float(error[compared].mean()), "color max": float(error[compared].max()),
-               "failing edge pixels": int((failing & compared & ~smooth).sum())} if compared.any() else {}
+               "failing edge pixels": int((failing & compared & ~smooth).sum())}
     return seen, gates, metrics
 
 
@@ -80,7 +83,8 @@ def _monte_carlo(case: Case, expected, allowance, smooth):
     branches = largest_around(seen.variance.max(axis=-1)) > 0  # a neighbour may have met what a pixel has not
     # where noise outweighs what the offset may do
     noisy = smooth & (allowance < NOISE_SHARE * np.sqrt(seen.variance.max(axis=-1)))
-    errors = {n: float(np.sqrt(np.mean((run.mean - expected)[noisy] ** 2))) for n, run in runs.items()}
+    rms = lambda values: float(np.sqrt(np.mean(values[noisy] ** 2))) if noisy.any() else math.nan
+    errors = {n: rms(run.mean - expected) for n, run in runs.items()}
     allowed = np.where(np.isfinite(allowance), allowance, 0)
     scores = monte_carlo.scores(seen, expected, allowed, branches)
     z = scores[smooth]
@@ -92,7 +96,7 @@ def _monte_carlo(case: Case, expected, allowance, smooth):
               f"the largest deviation of {z.size} values in units of their own noise; the limit is Sidak's at 1 %"),
         _gate("slope", abs(found - SLOPE), SLOPE_BAND, "exponent",
               f"how far the error's exponent is from -1/2: it falls with the {found:.3f}th power of the samples")]
-    metrics = {"slope": found, "noisy pixels": int(noisy.sum()), "mean z squared": float(np.mean(scores[noisy] ** 2)),
+    metrics = {"slope": found, "noisy pixels": int(noisy.sum()), "mean z squared of noisy pixels": rms(scores) ** 2,
                **{f"rms error at {samples} samples": error for samples, error in errors.items()}}
     return seen, gates, metrics
 

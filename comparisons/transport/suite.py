@@ -21,16 +21,17 @@ from .case import Case
 from .results import FOLDER, CaseRecord, Transport
 
 SECONDS_PER_CASE = 120.0
+COMMAND = (sys.executable, "-m", "comparisons.transport.worker")
 
 
 def run(cases: Sequence[Case], folder: Path, *, limit: float = SECONDS_PER_CASE, jobs: int = 2,
-        quiet: bool = False, worker=lambda: Worker([sys.executable, "-m", "comparisons.transport.worker"])) -> Transport:
+        quiet: bool = False, command: Sequence[str] = COMMAND) -> Transport:
     """Measures `cases`, `jobs` at a time, within `limit` seconds each; writes nothing but what it keeps of cases."""
     start = time.monotonic()
     (folder / FOLDER).mkdir(parents=True, exist_ok=True)
     progress = Progress(len(cases), quiet)
     idle: SimpleQueue[Worker] = SimpleQueue()
-    workers = [worker() for _ in range(jobs)]
+    workers = [Worker(list(command)) for _ in range(jobs)]
     for one in workers:
         idle.put(one)
 
@@ -101,12 +102,12 @@ def _measured(case: Case, folder: Path, worker: Worker, limit: float) -> CaseRec
 def _reason(case: Case, gates: list[Gate], metrics: dict) -> str:
     broken = [gate for gate in gates if not gate.holds]
     if broken:
-        worst = broken[0]
-        return f"{worst.name} is {worst.value if worst.value is None else format(worst.value, '.3g')}, the limit is {worst.limit:.3g}"
+        name, value, limit = broken[0].name, broken[0].value, broken[0].limit
+        return f"{name} is {'nothing' if value is None else format(value, '.3g')}, the limit is {limit:.3g}"
     measured = {gate.name: gate.value for gate in gates}
     if case.ladder:
-        close = (f"no value deviates by more than {measured['largest z']:.1f} times its noise, and the error falls with "
-                 f"the {metrics['slope']:.3f}th power of the samples")
+        close = (f"no value deviates by more than {measured['largest z']:.1f} times its noise, and the error falls as "
+                 f"samples^{metrics['slope']:.3f}")
     else:
         close = f"99 % of the pixels agree to {measured['color p99']:.1e}, and none outside of edges differs visibly"
     if not case.is_finding:

@@ -26,7 +26,8 @@ def _answer(request: dict) -> dict:
         np.savez_compressed(file, document=measured.document, mitsuba=measured.mitsuba, expected=measured.expected,
                             compared=measured.compared)
     os.replace(part, planes)
-    return {"state": "ok", "facts": {"gates": [gate.model_dump() for gate in measured.gates], "metrics": measured.metrics}}
+    gates = [gate.model_dump() for gate in measured.gates]
+    return {"state": "ok", "facts": {"gates": gates, "metrics": measured.metrics}}
 
 
 if __name__ == "__main__":

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 
+import numpy as np
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -23,6 +25,7 @@ class Page:
     content: dict = field(default_factory=dict)  # what the template sees besides `report`, `root`, `path` and `bar`
     nav: str = ""  # its name in the bar at the top of every page; "" keeps it out
     summary: Summary | None = None  # only of a page in the bar
+    pictures: dict[str, np.ndarray] = field(default_factory=dict)  # files beside it: path to (h, w, 3) uint8
 
     @property
     def root(self) -> str:

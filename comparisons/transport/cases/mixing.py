@@ -38,11 +38,11 @@ def everything(scene, samples, seed, *, brighter: float = 1.0, integrator: str =
 
 CASES = (
     Case("mirror-blend", "Three half mirrors in a corner", "mixing",
-         "A surface that glows with (1 - R) color cos(phi) brightness and mirrors with R is the document's mixing; evenly "
-         "lit planes glow evenly, and the corner shows them in each other nine generations deep.",
+         "A surface that glows with (1 - R) color cos(phi) brightness and mirrors with R is the document's mixing; "
+         "evenly lit planes glow evenly, and the corner shows them in each other.",
          KALEIDOSCOPE, glowing_mirrors),
     Case("everything", "The whole model at once", "mixing",
-         "Given the document's light and material, each path of `volpath` chooses reflection or refraction in proportion "
-         "to its weight and divides by that chance: the mean over paths is the document's recursion.",
+         "Given the document's light and material, each of Mitsuba's paths chooses reflection or refraction by its "
+         "weight and divides by that chance: the mean over paths is the document's recursion.",
          EVERYTHING, everything, ladder=LADDER),
 )

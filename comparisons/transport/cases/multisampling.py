@@ -23,7 +23,8 @@ def filmed(scene: Scene, samples: int, seed: int) -> Radiance:
     """Mitsuba's own sensor and box filter; its sampler takes the middle of each of the n x n cells of a pixel."""
     made = dressed(scene, lambda o: {"bsdf": diffuse(o.material.color)}, {"sun": sun(scene.lights[0])})
     per_pixel = scene.tracing.samples**2
-    image = mi.render(made, sensor=sensor(scene.camera, per_pixel), integrator=mi.load_dict(DIRECT), spp=per_pixel, seed=seed)
+    image = mi.render(made, sensor=sensor(scene.camera, per_pixel), integrator=mi.load_dict(DIRECT), spp=per_pixel,
+                      seed=seed)
     mean = np.array(image, dtype=float)
     return Radiance(mean, np.zeros_like(mean), per_pixel)
 
@@ -31,5 +32,5 @@ def filmed(scene: Scene, samples: int, seed: int) -> Radiance:
 CASES = (
     Case("multisampling", "4 x 4 samples a pixel", "multisampling",
          "Mitsuba's stratified sampler without jitter takes the centres of n x n cells, and its box filter their mean: "
-         "the document's samples; `direct` makes no further choice at random.", SCENE, filmed),
+         "the document's samples; direct light makes no further choice at random.", SCENE, filmed),
 )

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from converters.mitsuba.dressed import diffuse, document, dressed, mirror, sun
+from converters.mitsuba.dressed import diffuse, document, dressed, mirror, steady_point, sun
 from converters.mitsuba.radiance import radiance
-from reference_tracer.scene.model import Camera
+from reference_tracer.scene.model import Camera, Light
 
 from ..case import Case
-from .rooms import SIZE, ball, far_light, scene
+from .rooms import SIZE, ball, box, far_light, scene
 
 LIGHT = far_light((-0.7, 1.2, -1.0))
-PLANET = scene("mirror", [ball((0.0, 0.3, 0.0), 1.0, reflection=1.0), ball((0.0, -7.2, 0.5), 6.5, (0.85, 0.7, 0.45))], [LIGHT],
-               Camera(position=(0.0, 1.5, -5.0), direction=(0.0, -0.25, 1.0), fov=55.0, **SIZE))
-COMPANY = scene("mirrors", [ball((0.0, -7.2, 0.5), 6.5, (0.85, 0.7, 0.45)), ball((0.0, 0.3, 0.5), 1.0, reflection=1.0),
-                            ball((0.75, -0.35, -1.0), 0.4, reflection=1.0), ball((-1.9, -0.2, -0.2), 0.7, (0.9, 0.25, 0.2)),
-                            ball((1.9, -0.1, 0.4), 0.65, (0.25, 0.8, 0.35)), ball((-0.6, -0.45, -1.3), 0.25, (0.3, 0.4, 0.95))],
-                [LIGHT], PLANET.camera, max_depth=5)
+PLANET = scene("mirror", [ball((0.0, 0.3, 0.0), 1.0, reflection=1.0), ball((0.0, -7.2, 0.5), 6.5, (0.85, 0.7, 0.45))],
+               [LIGHT], Camera(position=(0.0, 1.5, -5.0), direction=(0.0, -0.25, 1.0), fov=55.0, **SIZE))
+COMPANY = scene("mirrors", box() + [ball((0.2, 0.1, 1.2), 1.1, reflection=1.0),
+                                    ball((1.7, -0.6, -0.4), 0.4, reflection=1.0),
+                                    ball((-2.0, -0.2, 0.4), 0.8, (0.9, 0.25, 0.2)),
+                                    ball((0.5, -0.7, -2.2), 0.3, (0.25, 0.8, 0.35)),
+                                    ball((-0.8, -0.6, -1.6), 0.4, (0.9, 0.8, 0.3))],
+                [Light(position=(-2.0, 3.4, -3.0), brightness=(0.95, 0.95, 0.95))],
+                Camera(position=(0.0, 1.2, -6.0), direction=(0.0, -0.2, 1.0), fov=50.0, **SIZE), max_depth=6)
 
 
 def mirrored(scene, samples, seed, *, depth: int = 3):
@@ -28,7 +31,7 @@ def mirrored(scene, samples, seed, *, depth: int = 3):
 def mirrored_in_company(scene, samples, seed, *, plain=lambda o: document(o.material)):
     """Stock mirrors among bodies that light reaches and leaves once; `plain` is what those wear."""
     made = dressed(scene, lambda o: {"bsdf": mirror() if o.material.reflection else plain(o)},
-                   {"sun": sun(scene.lights[0])})
+                   {"lamp": steady_point(scene.lights[0])})
     generations = scene.tracing.max_depth
     return radiance(made, {"type": "path", "max_depth": generations + 2, "rr_depth": 999}, scene.camera, samples, seed)
 
@@ -37,7 +40,8 @@ CASES = (
     Case("mirror", "A mirror ball above a diffuse one", "reflection",
          "A conductor without a material reflects all light; with one convex diffuse body there is nothing that it "
          "could throw light on but the mirror, and three segments of a path leave no room for that.", PLANET, mirrored),
-    Case("mirrors", "Mirrors among several bodies", "reflection",
-         "Stock diffuse bodies would light each other; bodies that are evaluated for lights and never sampled do as the "
-         "document says, and the mirrors between them, seen in each other, stay stock.", COMPANY, mirrored_in_company),
+    Case("mirrors", "Two mirrors in a lit room", "reflection",
+         "Stock diffuse bodies would light each other, and a stock lamp would fade; with a material that is evaluated "
+         "for lights and never sampled, and a lamp that does not fade, the mirrors are Mitsuba's own.",
+         COMPANY, mirrored_in_company),
 )

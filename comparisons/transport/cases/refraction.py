@@ -38,8 +38,8 @@ def ratio(scene, samples, seed):
     """What glass transmits of the walls over what it transmits of a world of radiance one, along the same paths."""
     of_walls = in_glass(scene, PATHS, seed, reflected=0.0).mean
     of_ones = in_glass(scene, PATHS, seed, reflected=0.0, light=lambda obj: (1.0, 1.0, 1.0)).mean
-    got_through = of_ones > 0
-    return Radiance(np.where(got_through, of_walls / np.where(got_through, of_ones, 1), 0), np.zeros_like(of_walls), PATHS)
+    of_each = np.divide(of_walls, of_ones, out=np.zeros_like(of_walls), where=of_ones > 0)
+    return Radiance(of_each, np.zeros_like(of_each), PATHS)
 
 
 def raw(scene, samples, seed):
@@ -102,15 +102,15 @@ def _transmitting(picture) -> np.ndarray:
 
 CASES = (
     Case("refraction", "Glass, n = 1.4", "refraction",
-         "A stock dielectric that reflects nothing sends every path that gets through along the document's rays; Fresnel's "
-         "factors are the same for walls as they are and for walls of radiance one, and drop out of the ratio.",
+         "A stock dielectric that reflects nothing sends every path that gets through along the document's rays; "
+         "Fresnel's factors are the same for walls of radiance one, and drop out of the ratio.",
          glass(1.4), ratio, where=_transmitting),
     Case("refraction-thin", "A bubble, n = 0.8", "refraction",
          "The same for a bubble thinner than the air around it, where rays bend outward; where total reflection lets "
          "nothing through, the ratio says nothing.", glass(0.8, balls=1), ratio,
          where=lambda picture: ~totally_reflected(picture, -NEAR_CRITICAL)),
     Case("fresnel", "What Fresnel's factors take away", "refraction",
-         "A physical surface transmits the share 1 - F of Fresnel's equations, the document's all of it. A ball is left at "
-         "the angle at which it was entered: (1 - F)^2 gets through.",
+         "A physical surface transmits the share 1 - F of Fresnel's equations, the document's all of it. A ball is "
+         "left at the angle at which it was entered: (1 - F)^2 gets through.",
          glass(1.4, NOISY), raw, predicted=_dimmed, where=_through_one_ball, ladder=LADDER),
 )

@@ -41,7 +41,7 @@ def corner(reflection: float = 0.0) -> list[Object]:
             plane((-3.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.8, 0.3, 0.35), reflection=reflection)]
 
 
-CORNER_LIGHT = far_light((1.0, 1.0, -1.0), 1.6)  # meets all three at the same angle and casts no shadow of one on another
+CORNER_LIGHT = far_light((1.0, 1.0, -1.0), 1.6)  # meets all three at one angle; none casts a shadow on another
 CORNER_COSINE = 1 / math.sqrt(3)
 
 
@@ -53,9 +53,11 @@ def corner_camera() -> Camera:
 def box() -> list[Object]:
     """Four walls, floor and ceiling around the origin: no ray gets out."""
     floor, wall = (0.7, 0.68, 0.6), (0.5, 0.6, 0.75)
-    return [plane((0.0, -1.0, 0.0), (0.0, 1.0, 0.0), floor), plane((0.0, 4.0, 0.0), (0.0, -1.0, 0.0), (0.85, 0.85, 0.85)),
+    return [plane((0.0, -1.0, 0.0), (0.0, 1.0, 0.0), floor),
+            plane((0.0, 4.0, 0.0), (0.0, -1.0, 0.0), (0.85, 0.85, 0.85)),
             plane((0.0, 0.0, 4.0), (0.0, 0.0, -1.0), wall), plane((0.0, 0.0, -7.0), (0.0, 0.0, 1.0), wall),
-            plane((-4.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.75, 0.4, 0.35)), plane((4.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.4, 0.65, 0.4))]
+            plane((-4.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.75, 0.4, 0.35)),
+            plane((4.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.4, 0.65, 0.4))]
 
 
 def glow(obj: Object, light: Light = CORNER_LIGHT, cosine: float = CORNER_COSINE) -> list[float]:

@@ -8,8 +8,7 @@ import numpy as np
 
 from converters.mitsuba.dressed import diffuse, dressed, fading_point, rgb, sun
 from converters.mitsuba.radiance import radiance
-from reference_tracer.scene.model import Camera, Light, Material, Object
-from reference_tracer.surfaces import Sphere
+from reference_tracer.scene.model import Camera, Light
 
 from ..case import Case
 from .rooms import SIZE, ball, far_light, plane, scene
@@ -18,7 +17,8 @@ DIRECT = {"type": "direct", "bsdf_samples": 0, "emitter_samples": 1}
 
 BALLS = scene("balls", [ball((-1.9, 0.0, 0.0), 1.0, (0.9, 0.25, 0.2)), ball((0.3, 0.4, 0.6), 1.1, (0.3, 0.8, 0.4)),
                         ball((2.4, -0.2, 0.2), 0.9, (0.35, 0.4, 0.95))],
-              [far_light((-0.2, 1.5, -2.0))], Camera(position=(0.0, 0.6, -6.0), direction=(0.02, -0.07, 1.0), fov=52, **SIZE))
+              [far_light((-0.2, 1.5, -2.0))],
+              Camera(position=(0.0, 0.6, -6.0), direction=(0.02, -0.07, 1.0), fov=64.0, **SIZE))
 
 LAMP = Light(position=(0.5, 3.0, -2.0), brightness=(0.9, 0.9, 0.9))
 LAMP_DISTANCE = 4.0  # at which the physical lamp is as bright as the document's
@@ -28,7 +28,7 @@ LAMP_SCENE = scene("lamp", [plane((0.0, -1.0, 0.0), (0.0, 1.0, 0.0), (0.8, 0.8, 
 
 ALBEDO, WALL = 0.6, 3.0
 BOUNCES = 24  # the series is summed to 6e-6 of its value
-FURNACE = scene("furnace", [Object(surface=Sphere(r=WALL), material=Material(color=(ALBEDO, 0.5 * ALBEDO, 0.25 * ALBEDO)))],
+FURNACE = scene("furnace", [ball((0.0, 0.0, 0.0), WALL, (ALBEDO, 0.5 * ALBEDO, 0.25 * ALBEDO))],
                 [Light(position=(0.0, 0.0, 0.0), brightness=(0.35,) * 3)],
                 Camera(position=(0.5, -0.4, -1.0), **SIZE))
 
@@ -72,17 +72,17 @@ def _furnace_law(picture) -> np.ndarray:
 
 CASES = (
     Case("diffuse", "Diffuse balls in parallel light", "shading",
-         "A Lambertian surface of albedo c reflects c/pi of its irradiance; a far light of irradiance pi b therefore gives "
-         "c b cos(phi), the document's visibleColor.", BALLS, lit_by_sun),
+         "A Lambertian surface of albedo c reflects c/pi of its irradiance; a far light of irradiance pi b therefore "
+         "gives c b cos(phi), the document's visibleColor.", BALLS, lit_by_sun),
     Case("one-over-pi", "Brightness taken for irradiance", "shading",
          "Physics divides by pi what the document does not: an irradiance of b gives the document's picture over pi.",
          BALLS, without_pi, predicted=lambda picture: picture.color / math.pi),
     Case("fall-off", "A lamp that fades with distance", "shading",
-         "A physical point light fades with the square of its distance r, the document's does not: the pictures differ by "
-         f"({LAMP_DISTANCE:g}/r)^2, where both lamps are equally bright at r = {LAMP_DISTANCE:g}.",
+         "A physical point light fades with the square of its distance r, the document's does not: the pictures differ "
+         f"by ({LAMP_DISTANCE:g}/r)^2, where both lamps are equally bright at r = {LAMP_DISTANCE:g}.",
          LAMP_SCENE, lit_by_fading_lamp, predicted=_faded),
     Case("interreflection", "Light that diffuse walls throw on each other", "shading",
-         "In the document diffuse light ends at the eye; in physics it lights other walls. In a hollow ball with the lamp "
-         "in its middle every further bounce adds the same factor a, the albedo: together 1/(1 - a).",
+         "In the document diffuse light ends at the eye; in physics it lights other walls. In a hollow ball with the "
+         "lamp in its middle every further bounce adds the same factor a, the albedo: together 1/(1 - a).",
          FURNACE, furnace, predicted=_furnace_law),
 )

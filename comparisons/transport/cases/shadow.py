@@ -15,7 +15,8 @@ GROUND = [plane((0.0, -1.0, 0.0), (0.0, 1.0, 0.0), (0.75, 0.72, 0.65)),
 CAMERA = Camera(position=(0.0, 1.6, -6.0), direction=(0.0, -0.3, 1.0), fov=55.0, **SIZE)
 LIGHT = far_light((-0.8, 1.0, -0.9))
 
-OPAQUE = scene("shadow", GROUND + [ball((-1.3, 0.0, -0.5), 0.9, (0.9, 0.35, 0.25)), ball((0.6, 0.6, -1.2), 0.45, (0.3, 0.75, 0.4)),
+OPAQUE = scene("shadow", GROUND + [ball((-1.3, 0.0, -0.5), 0.9, (0.9, 0.35, 0.25)),
+                                   ball((0.6, 0.6, -1.2), 0.45, (0.3, 0.75, 0.4)),
                                    ball((1.7, -0.3, 1.0), 0.7, (0.4, 0.45, 0.95))], [LIGHT], CAMERA)
 THROUGH = 0.6
 CLEAR = scene("clear-shadow", GROUND + [ball((-1.0, 0.0, -0.5), 0.95, (0.3, 0.5, 1.0), transparency=THROUGH),
@@ -36,10 +37,11 @@ def veiled(scene, samples, seed, *, opacity=lambda transparency: 1 - transparenc
 
 CASES = (
     Case("hard-shadow", "Shadows of opaque balls", "shadow",
-         "Parallel light is blocked or not; `direct` traces one shadow ray to it and lets nothing else in.",
+         "Parallel light is blocked or not; Mitsuba's integrator of direct light traces one shadow ray and lets "
+         "nothing else in.",
          OPAQUE, lit_by_sun),
     Case("clear-shadow", "The shadow of a clear ball", "shadow",
-         "A mask of opacity 1 - T lets a path pass with probability T and a shadow ray with weight T at every crossing, "
-         "in and out: at n = 1 its mean is the document's mixing and its shadow has intensity T^2.",
+         "A mask of opacity 1 - T lets a path pass with probability T and a shadow ray with weight T at every "
+         "crossing, in and out: at n = 1 its mean is the document's mixing and its shadow has intensity T^2.",
          CLEAR, veiled, ladder=LADDER),
 )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from reference_tracer.scene.model import Camera
+
 from ..case import Case
 from .refraction import glass, in_glass, totally_reflected
 from .rooms import CORNER_LIGHT, SIZE, corner, plane, scene
-from reference_tracer.scene.model import Camera
 
 NEAR_CRITICAL = 1e-3  # of the sine
 
@@ -26,8 +27,9 @@ def _beyond(picture):
 
 CASES = (
     Case("total-reflection-inside", "Under water, n = 1.33", "total reflection",
-         "Beyond the critical angle Fresnel's equations reflect everything, as the document does; there a stock dielectric "
-         "has no choice to make, and one sample is exact.", WATER, reflecting, where=_beyond),
+         "Beyond the critical angle Fresnel's equations reflect everything, as the document does; there a stock "
+         "dielectric has no choice to make, and one sample is exact.", WATER, reflecting, where=_beyond),
     Case("total-reflection-outside", "A bubble, n = 0.8", "total reflection",
-         "The same from outside: the rim of a bubble thinner than air mirrors.", glass(0.8, balls=1), reflecting, where=_beyond),
+         "The same from outside: the rim of a bubble thinner than air mirrors.",
+         glass(0.8, balls=1), reflecting, where=_beyond),
 )
