@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
-from .results import Gate, Verdict
+from .results import Gate, Run, Verdict
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,35 @@ NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by
                    depth_p99=5e-6, color_p99=5e-6, failing_share=2e-3, clustered_share=1e-4, mismatch_share=2e-3)
 MESH = Tolerance("meshes", "surfaces replaced by triangles, error falling with the square of the resolution",
                  depth_p99=1e-4, color_p99=1e-3, failing_share=1e-2, clustered_share=1e-3, mismatch_share=5e-3)
+
+TRACERS = Tolerance("two tracers of one mesh", "the triangles are the same; what is left is single precision",
+                    depth_p99=1e-6, color_p99=5e-5, failing_share=1e-3, clustered_share=1e-4, mismatch_share=1e-3)
+DOUBLE = Tolerance("double precision", "the same model in double precision",
+                   depth_p99=1e-9, color_p99=1e-9, failing_share=0, clustered_share=0, mismatch_share=0)
+
+
+def tolerance_of(run: Run) -> Tolerance:
+    """How far a run may be from the truth. Where a renderer has no exact shape for a surface, triangles stand for it."""
+    if run.renderer in ("exact", "paper"):
+        return DOUBLE
+    return MESH if run.facts.get("triangles") else NATIVE
+
+
+def between(first: Run, second: Run) -> Tolerance:
+    """How far two runs may be from each other: each may be as far from the truth as its own tolerance says."""
+    a, b = tolerance_of(first), tolerance_of(second)
+    if a is b is MESH and _mesh(first) == _mesh(second):
+        return TRACERS
+    if DOUBLE in (a, b):
+        return b if a is DOUBLE else a
+    name = f"{a.name}, both" if a is b else f"{a.name} and {b.name}"
+    return Tolerance(name, "each may be as far from the truth as its own tolerance says",
+                     *(x + y for x, y in zip(astuple(a)[2:], astuple(b)[2:])))
+
+
+def _mesh(run: Run):
+    """What tells the meshes of a run apart from those of another."""
+    return run.facts.get("triangles"), run.settings.get("resolution"), run.facts.get("native_shapes", 0)
 
 
 def judge(metrics: dict[str, float | int | None], tolerance: Tolerance) -> tuple[Verdict, str, list[Gate]]:

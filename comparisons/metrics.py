@@ -48,12 +48,13 @@ def _uniform_around(plane: np.ndarray) -> np.ndarray:
     return np.logical_and.reduce([neighbour == plane for neighbour in _shifted(plane)])
 
 
-def geometry(reference: Planes, test: Planes) -> dict[str, float | int]:
+def geometry(reference: Planes, test: Planes, inner: np.ndarray | None = None) -> dict[str, float | int | None]:
     """Hit/miss and object mismatches in pixels; depth errors relative to the depth, normals in degrees.
 
-    Depth and normals are compared on interior pixels where both sides hit the same object.
+    Depth and normals are compared on interior pixels where both sides hit the same object; `inner` are those of the
+    reference, if they are known.
     """
-    inner = interior(reference)
+    inner = interior(reference) if inner is None else inner
     hit_reference, hit_test = reference["index"] >= 0, test["index"] >= 0
     same = reference["index"] == test["index"]
     both = inner & same & hit_reference
@@ -71,6 +72,13 @@ def geometry(reference: Planes, test: Planes) -> dict[str, float | int]:
 
 
 def picture(reference: Planes, test: Planes) -> dict[str, float | int | None]:
+    """Differences of colour, and scores of the whole image."""
+    a, b = reference["color"], test["color"]
+    measured, finite = differences(reference, test), np.isfinite(a).all() and np.isfinite(b).all()
+    return {**measured, **({"SSIM": _ssim(a, b), "FLIP mean": _flip(a, b)} if finite else {"SSIM": None, "FLIP mean": None})}
+
+
+def differences(reference: Planes, test: Planes) -> dict[str, float | int | None]:
     """Differences of colour. A pixel's error is the largest over its channels."""
     a, b = reference["color"], test["color"]
     finite = np.isfinite(a).all(axis=-1) & np.isfinite(b).all(axis=-1)
@@ -78,12 +86,11 @@ def picture(reference: Planes, test: Planes) -> dict[str, float | int | None]:
     failing = ~(error <= VISIBLE)
     squared = (a[finite] - b[finite]) ** 2
     mse = float(squared.mean()) if squared.size else None
-    scores = {"SSIM": None, "FLIP mean": None} if not finite.all() else {"SSIM": _ssim(a, b), "FLIP mean": _flip(a, b)}
     return {"not finite": int((~finite).sum()),
             "color max": _maximum(error[finite]), "color p99": _quantile(error[finite], 0.99),
             "color mean": float(error[finite].mean()) if finite.any() else None,
             "failing pixels": int(failing.sum()), "clustered failing pixels": int(_everywhere_around(failing).sum()),
-            "MSE": mse, "PSNR": None if not mse else float(-10 * np.log10(mse)), **scores}
+            "MSE": mse, "PSNR": None if not mse else float(-10 * np.log10(mse))}
 
 
 def pixel_error(a: np.ndarray, b: np.ndarray) -> np.ndarray:

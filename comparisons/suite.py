@@ -16,7 +16,8 @@ from pathlib import Path
 from reference_tracer.scene.model import Scene
 
 from . import effects, metrics, studies
-from .gate import MESH, NATIVE, judge
+from .agreement import matrix, records, tightness
+from .gate import judge, tolerance_of
 from .machine import machine
 from .process import Worker
 from .progress import Progress
@@ -42,7 +43,8 @@ class Options:
 
 
 def compare(scenes: Sequence[Scene], options: Options) -> Results:
-    """Runs every renderer on every scene, compares each picture with the truth, and writes results.json.
+    """Runs every renderer on every scene, compares each picture with the truth and with every other one, and writes
+    results.json and matrix.json.
 
     A run that fails costs only its own comparisons. Finished runs and comparisons are kept by content in the folder:
     an interrupted suite goes on where it stopped.
@@ -53,7 +55,7 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
     planned = studies.planned(scenes) if options.with_studies else []
     requests = [Request(scene, name) for name in (TRUTH, *options.renderers) for scene in scenes]
     requests += [request for study in planned for request in study.requests()]
-    requests += effects.requests(scenes) if options.with_studies else []
+    requests += effects.requests(scenes) + tightness.requests(scenes, options.renderers) if options.with_studies else []
     runs = _make_all(list({r.key: r for r in requests}.values()), store, options)
 
     progress = Progress(len(scenes) * len(options.renderers), options.quiet)
@@ -64,6 +66,7 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
             comparisons.append(_compared(scene, runs[Request(scene, TRUTH).key], runs[Request(scene, name).key], store))
             progress.step()
     progress.close()
+    records.write(_matrix(scenes, runs, store, options), options.folder)
     series = [study.series(runs, store) for study in planned]
     shown = effects.effects(scenes, runs, store) if options.with_studies else []
     results = Results(created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
@@ -115,6 +118,15 @@ def _make_all(requests: list[Request], store: RunStore, options: Options) -> dic
     return {r.key: runs[r.key] for r in requests}
 
 
+def _matrix(scenes: Sequence[Scene], runs: dict[str, Run], store: RunStore, options: Options) -> records.Matrix:
+    progress = Progress(len(scenes), options.quiet)
+    rows = tightness.tightness(scenes, options.renderers, runs, store) if options.with_studies else []
+    with ExitStack() as stack:
+        stack.callback(progress.close)
+        return matrix.matrix(scenes, (TRUTH, *options.renderers), runs, store, jobs=options.jobs, tightness=rows,
+                             done=lambda: progress.step(label="every pair"))
+
+
 def _compared(scene: Scene, truth: Run, test: Run, store: RunStore) -> Comparison:
     about = {"id": f"{scene.name}--{test.renderer}", "scene": scene.name, "reference": truth.key, "test": test.key,
              "against": "model",
@@ -126,8 +138,8 @@ def _compared(scene: Scene, truth: Run, test: Run, store: RunStore) -> Compariso
     measured, worst = _measured(scene, truth, test, store)
     if test.renderer == "paper":
         verdict, reason, gates = *_of_the_literal_method(measured, scene), []
-    else:  # where a renderer has no exact shape for a surface, triangles stand for it
-        verdict, reason, gates = judge(measured, MESH if test.facts.get("triangles") else NATIVE)
+    else:
+        verdict, reason, gates = judge(measured, tolerance_of(test))
     return Comparison(**about, verdict=verdict, reason=reason, gates=gates, metrics=measured, worst=worst)
 
 

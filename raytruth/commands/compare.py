@@ -5,6 +5,7 @@ examples:
   raytruth compare figure-07-torus my-scene.json         some scenes
   raytruth compare --renderers mitsuba-mesh --largest 320
 
+Every pair of renderers is compared as well; a renderer that the majority contradicts on a scene is the odd one out.
 Each renderer works in a process of its own, under a time limit: a crash costs its own cases. Finished work is kept in
 the results folder and reused; an interrupted run resumes. The exit code is 1 if anything differs or failed.
 """
@@ -30,6 +31,7 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     from comparisons import renderers
+    from comparisons.agreement import records
     from comparisons.results import BROKEN
     from comparisons.suite import COMPARED, Options, compare
     from reference_tracer.errors import InputError
@@ -41,25 +43,32 @@ def run(arguments) -> int:
     chosen = tuple(arguments.renderers.split(",")) if arguments.renderers else COMPARED
     for name in chosen:
         renderers.find(name)
-    scenes = [library.find(name) for name in arguments.scene or library.names()]
+    scenes = [library.find(name) for name in arguments.scene or (*library.names(), *library.effects())]
     names = Counter(scene.name for scene in scenes)
     if twice := [name for name, count in names.items() if count > 1]:
         raise InputError(f"two scenes are named {twice[0]!r}; give each its own \"name\"")
     results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
                                       limit=arguments.limit, jobs=arguments.jobs, with_studies=not arguments.no_studies))
+    matrix = records.read(arguments.results / records.FILE)
     if arguments.json:
         print(results.model_dump_json(indent=1))
     else:
-        _tell(results, arguments.results)
+        _tell(results, matrix, arguments.results)
+    odd = any(not d.expected for d in matrix.dissent)
     broken = any(run.state in BROKEN for run in results.runs) or any(not s.holds for s in results.series)
-    return 1 if broken or any(c.verdict == "differs" for c in results.comparisons) else 0
+    return 1 if broken or odd or any(c.verdict == "differs" for c in results.comparisons) else 0
 
 
-def _tell(results, folder) -> None:
+def _tell(results, matrix, folder) -> None:
     order = {"not compared": 0, "differs": 1, "expected": 2, "agrees": 3}
     for c in sorted(results.comparisons, key=lambda c: (order[c.verdict], c.id)):
         print(f"{c.verdict:<13} {c.id:<45} {c.reason}")
     for s in results.series:
         print(f"{'holds' if s.holds else 'fails':<13} {s.id:<45} slopes {s.slope}")
+    for d in matrix.dissent:
+        print(f"{'odd one out' if len(d.renderers) == 1 else 'split':<13} {d.scene:<45} {d.sentence}")
+    for t in matrix.tightness:
+        print(f"{t.verdict:<13} {t.tolerance + ', ' + t.gate:<45} {t.worse}: {t.worse_share:.3g} of the limit; "
+              f"usual: {t.share:.3g}")
     counts = Counter(c.verdict for c in results.comparisons)
     print(", ".join(f"{counts[v]} {v}" for v in order if counts[v]) + f"; results in {folder}", file=sys.stderr)
