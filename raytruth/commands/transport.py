@@ -21,7 +21,8 @@ def add_arguments(parser):
     parser.add_argument("case", nargs="*", help="ids of cases (default: all)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for transport.json (default: results, if every case is run)")
-    parser.add_argument("--limit", type=float, default=120.0, metavar="SECONDS", help="time limit of a case (default 120)")
+    parser.add_argument("--limit", type=float, default=120.0, metavar="SECONDS",
+                        help="time limit of a case (default 120)")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="cases measured at the same time (default 2)")
     parser.add_argument("--json", action="store_true", help="print the document")
 
