@@ -6,10 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from comparisons.document import Record
+from comparisons.planning import results as planning
 from comparisons.stability import results as stability
 from comparisons.transport import results as transport
 
-READERS: dict[str, Callable[[Path], Record]] = {stability.FILE: stability.read, transport.FILE: transport.read}
+READERS: dict[str, Callable[[Path], Record]] = {
+    stability.FILE: stability.read, transport.FILE: transport.read, planning.FILE: planning.read}
 
 
 def read_all(folder: Path) -> dict[str, Record]:

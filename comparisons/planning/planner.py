@@ -9,6 +9,7 @@ from functools import reduce
 
 import numpy as np
 
+from reference_tracer.render import render
 from reference_tracer.scene.model import Scene
 
 from . import halves, mesh, saved
@@ -25,17 +26,27 @@ SUFFIX, LONGEST_NAME, LONGEST_TEXT = "-planned", 80, 2000  # of a scene file
 Progress = Callable[[str, float], None]
 
 
+@dataclass(frozen=True)
+class Planned:
+    """A plan with its pictures."""
+
+    plan: Plan
+    color: np.ndarray  # (h, w, 3), the planned picture
+    change: np.ndarray  # (h, w), the largest difference of a channel of every pixel, held back or not
+
+
 @dataclass
 class Attempt:
     margin: float
     decisions: list[Decision]
     planned: Scene
     proof: Proof
+    color: np.ndarray  # (h, w, 3), of the planned picture
     change: np.ndarray  # (h, w), of every pixel
 
 
 def plan(scene: Scene, tolerance: float, *, limit: float = LIMIT, turns: int = saved.TURNS, with_mesh: bool = False,
-         progress: Progress = lambda stage, share: None) -> Plan:
+         progress: Progress = lambda stage, share: None) -> Planned:
     """The plan for `scene`; its tolerance is the largest difference of any channel of a pixel.
 
     `limit` is in seconds, for the decisions; the proof and the measurement of what is saved come on top.
@@ -54,7 +65,7 @@ def plan(scene: Scene, tolerance: float, *, limit: float = LIMIT, turns: int = s
     planned = _named(scene, attempt, tolerance)
     camera = scene.camera
     held_back = ~halves.deciding(scene.hash, camera.height, camera.width, attempts)
-    return Plan(
+    plan = Plan(
         scene=scene.name, title=scene.title, figure=scene.figure, hash=scene.hash, width=camera.width,
         height=camera.height, samples=scene.tracing.samples, tolerance=tolerance, margin=margin, attempts=attempts,
         seconds=round(seconds, 3), decisions=[d.record() for d in attempt.decisions], proof=attempt.proof,
@@ -62,6 +73,7 @@ def plan(scene: Scene, tolerance: float, *, limit: float = LIMIT, turns: int = s
         meshes=mesh.ladder(scene, yardstick, held_back) if with_mesh else [],
         planned=planned.model_dump(mode="json", by_alias=True, exclude_none=True),
         command=f"{COMMAND} {scene.name} --tolerance {tolerance:g}")
+    return Planned(plan, attempt.color, attempt.change)
 
 
 def fitted(scene: Scene) -> Scene:
@@ -80,13 +92,14 @@ def _attempt(scene: Scene, small: Scene, yardstick: Yardstick, searched: Yardsti
         _withdraw(scene, yardstick, mask(scene), margin, decisions)
     progress("the proof", 0.75)
     planned = applied(scene, decisions)
-    change = yardstick.change(planned)
+    color = render(planned, "exact").color
+    change = yardstick.from_truth(color)
     held_back = ~mask(scene)
     difference = yardstick.difference(change, held_back, planned.tracing.precision)
     proof = Proof(pixels=change.size, held_back=int(held_back.sum()), largest=difference.largest,
                   excused=difference.excused, excused_largest=difference.excused_largest,
                   most_excused=yardstick.most_excused(held_back), holds=difference.largest <= yardstick.tolerance)
-    return Attempt(margin, decisions, planned, proof, change)
+    return Attempt(margin, decisions, planned, proof, color, change)
 
 
 def _decide(yardstick: Yardstick, scene: Scene, pixels: np.ndarray, margin: float, limit: float,

@@ -6,7 +6,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
 from pydantic import Field
+
+from reference_tracer.image_files import to_8_bit
 
 from .. import document
 from ..bench.results import Clock, Seconds, Spread
@@ -15,6 +18,7 @@ from ..machine import machine
 from ..results import Machine, State
 
 FILE = "plan.json"
+PLANES = "plans"
 COMMAND = "raytruth plan"
 
 
@@ -59,8 +63,12 @@ class Ratio(Record):
     clock: Clock = Field(description="the one that counts: wall on a quiet machine, else processor time")
 
     @property
+    def spread(self) -> Spread:
+        return self.wall if self.clock == "wall" else self.cpu
+
+    @property
     def value(self) -> float:
-        return (self.wall if self.clock == "wall" else self.cpu).median
+        return self.spread.median
 
 
 class Saved(Record):
@@ -107,6 +115,8 @@ class Plan(Record):
     saved: Saved
     meshes: list[MeshTrial] = []
     planned: dict = Field(description="the planned scene, as a scene file says it")
+    planes: str = Field("", description="the .npz file, relative to the results: color, the planned picture of 8 bits a "
+                                        "channel, and change, the largest difference of a channel of every pixel")
     command: str
 
 
@@ -128,8 +138,15 @@ def document_of(plans: list[Plan]) -> Plans:
     return Plans(created=datetime.now(UTC).isoformat(timespec="seconds"), machine=machine(), plans=plans)
 
 
-def add(plan: Plan, folder: Path) -> Path:
-    """Puts `plan` among those in `folder`, in place of an earlier one of the same scene."""
+def add(plan: Plan, color: np.ndarray, change: np.ndarray, folder: Path) -> Plan:
+    """Puts `plan` among those in `folder`, in place of an earlier one of the same scene; its planes beside it.
+
+    `color` is (h, w, 3), `change` (h, w). Raises InputError if the folder holds plans that cannot be read.
+    """
     others = [p for p in read(folder).plans if p.scene != plan.scene] if (folder / FILE).exists() else []
-    plans = sorted([*others, plan], key=lambda p: p.scene)
-    return document.write(document_of(plans), folder / FILE)
+    name = f"{PLANES}/{plan.scene}.npz"
+    (folder / PLANES).mkdir(parents=True, exist_ok=True)
+    np.savez_compressed(folder / name, color=to_8_bit(color), change=change.astype(np.float32))
+    plan = plan.model_copy(update={"planes": name})
+    document.write(document_of(sorted([*others, plan], key=lambda p: p.scene)), folder / FILE)
+    return plan

@@ -18,7 +18,7 @@ from .yardstick import Yardstick
 
 Change = Callable[[Scene], Scene]
 TURNS = 3
-CHEAPER = 0.95  # of the time: less of a gain is within the noise of a few turns
+CHEAPER = 0.9  # of the time: a smaller gain is within the noise of a few turns
 
 
 @dataclass

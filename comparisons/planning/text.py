@@ -29,8 +29,7 @@ def _proof(plan: Plan) -> str:
 
 
 def _saved(saved: Saved) -> str:
-    times = ", ".join(f"{r.value:.2f} x ({(r.wall if r.clock == 'wall' else r.cpu).low:.2f} to "
-                      f"{(r.wall if r.clock == 'wall' else r.cpu).high:.2f}) as {r.method}" for r in saved.ratios)
+    times = ", ".join(f"{r.value:.2f} x ({r.spread.low:.2f} to {r.spread.high:.2f}) as {r.method}" for r in saved.ratios)
     return (f"FASTER by {saved.ratios[0].clock} time than as written: {times}; rays {saved.rays['planned']:,} of "
             f"{saved.rays['exact']:,}; {saved.turns} turns")
 

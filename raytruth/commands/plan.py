@@ -1,0 +1,108 @@
+"""Find the least that a scene needs to be rendered to a tolerance, by measuring.
+
+examples:
+  raytruth plan figure-17-scene1 --tolerance 1e-3 -o planned.json    a planned scene, and why
+  raytruth plan my-scene.json --size 320x240 --with-mesh             and which meshes would be as good
+  raytruth plan                                                      every figure's scene, into results/plan.json
+
+Decided are: objects that never show, which of shadow, reflection and refraction matter, from which weight on secondary
+rays are traced and how many generations of them, the first-hit method of every kind of surface, samples, the range of
+rays, double or single precision. A random half of the pixels decides. The other half, held back, proves: no channel of
+their pixels differs by more than the tolerance from the scene as written with exact intersections, but for pixels that
+rounding alone may change as much; those are counted, and if they are more than 0.1 % it is no proof. The exit code is 1
+if there is none.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+from .render import size
+
+LEAST, MOST = 1e-9, 1.0  # tolerances
+
+
+def add_arguments(parser):
+    parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of files (default: every figure's)")
+    parser.add_argument("--tolerance", type=float, default=1e-3, metavar="T",
+                        help="largest difference of any channel of a pixel (default 1e-3)")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.json", help="write the planned scene (of one scene)")
+    parser.add_argument("--results", type=Path, metavar="DIR",
+                        help="folder whose plan.json gets the plans (default: results, if no scene is named)")
+    parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
+    parser.add_argument("--limit", type=float, default=60.0, metavar="S", help="seconds to decide in (default 60)")
+    parser.add_argument("--with-mesh", action="store_true", help="find the mesh resolution at which Mitsuba is as good")
+    parser.add_argument("--json", action="store_true", help="print the document")
+
+
+def run(arguments) -> int:
+    from comparisons.planning import planner, results
+    from comparisons.planning.text import told
+    from comparisons.progress import Progress
+
+    scenes = _scenes(arguments)
+    folder = arguments.results or (None if arguments.scene else Path("results"))
+    plans, bar = [], Progress(len(scenes))
+    for k, scene in enumerate(scenes):
+        def show(stage: str, share: float, done=k, name=scene.name):
+            bar.label = f"{name}: {stage}"
+            bar.to(done + share)
+        planned = planner.plan(scene, arguments.tolerance, limit=arguments.limit, with_mesh=arguments.with_mesh,
+                               progress=show)
+        plan = planned.plan
+        if folder is not None:
+            plan = results.add(plan, planned.color, planned.change, folder)
+        plans.append(plan)
+        if not arguments.json:
+            bar.close()
+            print(told(plan), end="\n\n", flush=True)
+    bar.close()
+    if arguments.output:
+        _write(plans[0].planned, arguments.output)
+    if arguments.json:
+        print(results.document_of(plans).model_dump_json(indent=1))
+    elif len(plans) > 1:
+        print(_summary(plans))
+    return 0 if all(plan.proof.holds for plan in plans) else 1
+
+
+def _scenes(arguments):
+    from pydantic import ValidationError
+
+    from reference_tracer.errors import InputError
+    from reference_tracer.scene import library
+    from reference_tracer.scene.load import one_line
+
+    if not LEAST <= arguments.tolerance <= MOST:
+        raise InputError(f"--tolerance: must be {LEAST:g} to {MOST:g}; found {arguments.tolerance:g}")
+    if not 1 <= arguments.limit <= 3600:
+        raise InputError(f"--limit: must be 1 to 3600 seconds; found {arguments.limit:g}")
+    if arguments.output and len(arguments.scene) != 1:
+        raise InputError("--output: holds one planned scene; name one scene to plan")
+    if arguments.output and (arguments.output.suffix != ".json" or not arguments.output.parent.is_dir()):
+        raise InputError(f"{arguments.output}: must end in .json and lie in an existing folder")
+    scenes = [library.find(name) for name in arguments.scene or library.names()]
+    try:
+        return [scene.resized(*arguments.size) if arguments.size else scene for scene in scenes]
+    except ValidationError as error:
+        raise InputError(f"--size: {one_line(error)}") from None
+
+
+def _write(planned: dict, path: Path) -> None:
+    from reference_tracer.errors import InputError
+
+    try:
+        path.write_text(json.dumps(planned, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another file") from None
+    print(f"written to {path}", file=sys.stderr)
+
+
+def _summary(plans) -> str:
+    import statistics
+
+    ratios = {method: statistics.median(plan.saved.ratio(method).value for plan in plans) for method in ("exact", "paper")}
+    return (f"{len(plans)} scenes, {sum(plan.proof.holds for plan in plans)} proven; in the median the planned scene renders "
+            f"{ratios['exact']:.2f} x faster than as written with exact, {ratios['paper']:.2f} x than with paper")

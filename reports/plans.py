@@ -1,0 +1,78 @@
+"""The plans of scenes: what was decided, what it saves, and where the planned picture differs."""
+
+from __future__ import annotations
+
+import statistics
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from comparisons.planning.results import Plan, Plans
+
+from . import scale
+from .names import slug
+from .planes import NoPlanes, load
+from .words import VERDICTS, Verdict
+
+FOLDER = "images/plans"
+
+
+@dataclass(frozen=True)
+class ShownPlan:
+    """A plan with its two pictures; `missing` says why there are none, if so."""
+
+    record: Plan
+    pixels: dict[str, np.ndarray]  # file to (h, w, 3) uint8
+    missing: str
+
+    @property
+    def anchor(self) -> str:
+        return slug(self.record.scene)
+
+    @property
+    def picture(self) -> str:
+        return f"{FOLDER}/{self.anchor}-planned.png"
+
+    @property
+    def map(self) -> str:
+        return f"{FOLDER}/{self.anchor}-change.png"
+
+    @property
+    def verdict(self) -> Verdict:
+        return VERDICTS["agrees" if self.record.proof.holds else "differs"]
+
+    @property
+    def decided(self) -> list[str]:
+        """The changes in a few words each, for the table of all scenes."""
+        return [_short(d.parameter, d.planned) for d in self.record.decisions if d.changed]
+
+
+def shown(plans: Plans, folder: Path) -> list[ShownPlan]:
+    """Every plan of the document, in its order; one without pictures costs its own only."""
+    return [_shown(plan, folder) for plan in plans.plans]
+
+
+def median_ratio(plans: Plans, method: str) -> float:
+    """How many times longer scenes as written take with `method` than planned."""
+    return statistics.median(plan.saved.ratio(method).value for plan in plans.plans)
+
+
+def _shown(plan: Plan, folder: Path) -> ShownPlan:
+    try:
+        planes = load(plan.planes, folder, ("color", "change"))
+        color, change = planes["color"], planes["change"]
+        size = (plan.height, plan.width)
+        if color.shape != (*size, 3) or color.dtype != np.uint8 or change.shape != size or change.dtype.kind != "f":
+            raise NoPlanes(f"{plan.planes} holds planes of another size or kind.")
+    except NoPlanes as reason:
+        return ShownPlan(plan, {}, str(reason))
+    nothing = np.zeros(size, bool)
+    found = ShownPlan(plan, {}, "")
+    found.pixels.update({found.picture: color,
+                         found.map: scale.paint(np.where(np.isfinite(change), change, np.nan), nothing, nothing)})
+    return found
+
+
+def _short(parameter: str, planned: str) -> str:
+    return f"no {parameter}" if planned == "left out" else f"{parameter} {planned}"
