@@ -11,6 +11,7 @@ from typing import Literal
 from pydantic import Field
 
 from . import document
+from .attribution.records import Attribution
 from .document import Record
 
 VERSION = 1
@@ -99,6 +100,7 @@ class Comparison(Record):
     gates: list[Gate] = []
     metrics: dict[str, float | int | None] = Field({}, description="every number measured, gated or not")
     worst: list[dict[str, float | int]] = Field([], description="the pixels of largest error: row, col, error")
+    attribution: Attribution | None = Field(None, description="where the two part first, if they differ")
     command: str
 
 

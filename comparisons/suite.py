@@ -17,6 +17,7 @@ from reference_tracer.scene.model import Scene
 
 from . import effects, metrics, studies
 from .agreement import matrix, records, tightness
+from .attribution.explain import LARGEST, explained
 from .gate import judge, tolerance_of
 from .machine import machine
 from .process import Worker
@@ -66,6 +67,8 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
             comparisons.append(_compared(scene, runs[Request(scene, TRUTH).key], runs[Request(scene, name).key], store))
             progress.step()
     progress.close()
+    comparisons = explained(comparisons, [_fitted(scene, LARGEST) for scene in scenes], runs, options.folder,
+                            jobs=options.jobs, quiet=options.quiet)
     records.write(_matrix(scenes, runs, store, options), options.folder)
     series = [study.series(runs, store) for study in planned]
     shown = effects.effects(scenes, runs, store) if options.with_studies else []

@@ -16,7 +16,7 @@ from .records import STAGES, Attribution, Evidence, Stage, WorstPixel
 from .side import Side, of_function
 from .stages import ASK, Finding
 
-WORST = 3  # pixels followed
+WORST, APART = 3, 12  # pixels followed, and how far they lie from each other at least
 TURNABLE = ("hit", "root", "normal", "shading", "shadow")  # what a turned picture may be taken for
 MEANS: dict[Stage, str] = {
     "camera": "the rays that leave the camera (section 2)", "hit": "what a ray hits first (sections 4.1 and 4.2)",
@@ -104,14 +104,13 @@ def _list(words: list[str]) -> str:
 
 
 def _worst(finding: Finding, a: Side, b: Side) -> list[WorstPixel]:
-    """The diverging pixels of largest error, their rays followed on both sides."""
-    error = np.where(finding.mask, finding.error, -1).ravel()
+    """The diverging pixels of largest error, apart from each other, their rays followed on both sides."""
+    error = np.where(finding.mask, finding.error, -1.0)
     pair, pixels = finding.pair, []
-    for place in np.argsort(-error, kind="stable")[:WORST]:
-        if error[place] < 0:
-            break
-        row, col = (int(k) for k in np.unravel_index(place, finding.mask.shape))
+    while len(pixels) < WORST and error.max() >= 0:
+        row, col = (int(k) for k in np.unravel_index(np.argmax(error), error.shape))
         pixels.append(WorstPixel(
-            row=row, col=col, difference=float(error[place]), color_a=triple(pair.a.color[row, col]),
+            row=row, col=col, difference=float(finding.error[row, col]), color_a=triple(pair.a.color[row, col]),
             color_b=triple(pair.b.color[row, col]), a=a.rays(pair.scene, row, col), b=b.rays(pair.scene, row, col)))
+        error[max(0, row - APART):row + APART + 1, max(0, col - APART):col + APART + 1] = -1
     return pixels
