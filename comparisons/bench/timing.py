@@ -68,14 +68,14 @@ def take_turns(contestants: list[Contestant], turns: int, budget: float) -> Meas
     """A B A B ...: every contestant `turns` times, fewer if that would take longer than `budget` seconds, but once."""
     first = {c.name: c.run().wall for c in contestants if c.compiles}
     costs: dict[str, list[Cost]] = {c.name: [] for c in contestants}
-    start, busy = time.monotonic(), _busy_elsewhere()
+    start, busy = time.monotonic(), busy_elsewhere()
     for turn in range(1, turns + 1):
         for contestant in contestants:
             costs[contestant.name].append(contestant.run())
         spent = time.monotonic() - start
         if spent + spent / turn > budget:
             break
-    return Measured(costs, first, max(_busy_elsewhere() - busy, 0) / (time.monotonic() - start))
+    return Measured(costs, first, max(busy_elsewhere() - busy, 0) / (time.monotonic() - start))
 
 
 def row(key: str, what: str, measured: Measured, slow: str, fast: str, bar: float | None, clock: Clock | None = None,
@@ -95,7 +95,7 @@ def judged(row: Row) -> Row:
     return row.model_copy(update={"holds": row.value >= row.bar if row.sense == ">=" else row.value <= row.bar})
 
 
-def _busy_elsewhere() -> float:
+def busy_elsewhere() -> float:
     """Seconds that our cores were busy for others than this process and the children it has waited for."""
     busy, tick = 0.0, os.sysconf("SC_CLK_TCK")
     ours = {f"cpu{k}" for k in os.sched_getaffinity(0)}
