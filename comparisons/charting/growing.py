@@ -1,0 +1,121 @@
+"""Measures a study of growth."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from reference_tracer.image_files import load_npz
+from reference_tracer.scene.model import Scene
+
+from ..bench.results import Clock
+from ..metrics import pixel_error
+from ..planes import problem
+from .growth import SECONDS, Study
+from .results import Growth, GrowthLine, GrowthPoint, clock
+from .store import Store
+from .sweeps import OURS, Contestant
+from .team import Team
+from .turns import take_turns
+
+
+def measured(study: Study, turns: int, store: Store, team: Team) -> Growth:
+    """The study's record; one without a failure is kept."""
+    scenes = {x: study.scene(x) for x in study.values}
+    key = store.key(next(iter(scenes.values())), study.id, [s.hash for s in scenes.values()], study.values, study.lines)
+    kept = store.find(key, Growth)
+    if kept:
+        return kept
+    growth = _Growing(study, scenes, store, team).growth(turns)
+    if all(p.state == "ok" for line in growth.lines for p in line.points):
+        store.keep(key, growth)
+    return growth
+
+
+class _Growing:
+    def __init__(self, study: Study, scenes: dict[float, Scene], store: Store, team: Team):
+        self.study, self.scenes, self.store, self.team = study, scenes, store, team
+
+    def growth(self, turns: int) -> Growth:
+        study = self.study
+        reference, _ = self._first("exact", {"method": "exact"}, 0, scene) if (scene := study.reference()) else (None, {})
+        points, seconds = {}, {}
+        for label, settings in study.lines:
+            for x, scene in self.scenes.items():
+                color, answer = self._first(label, settings, x, scene)
+                facts = answer.get("facts", {})
+                points[label, x] = GrowthPoint(x=x, state=answer["state"], message=answer.get("message", ""),
+                                               rays=facts.get("rays"), peak_mib=facts.get("peak_mib"))
+                seconds[label, x] = _second(study, scene, facts, color, reference)
+        settings = dict(study.lines)
+        timed = take_turns({key: lambda key=key: self.team.timed(
+            self._id(*key), self.scenes[key[1]], Contestant(OURS, settings[key[0]]), threads=self._threads(key[1]), hits=False)
+            for key, point in points.items() if point.state == "ok"}, turns)
+        for key, found in timed.items():
+            failed = {"state": found.failure["state"], "message": found.failure.get("message", "")} if found.failure else {}
+            points[key] = points[key].model_copy(update={"picture": found.times(), "second": seconds[key], **failed})
+        if study.second == "efficiency":
+            points = {key: _with_efficiency(point, points[key[0], study.values[0]]) for key, point in points.items()}
+        lines = [GrowthLine(label=label, points=[points[label, x] for x in self.scenes]) for label, _ in study.lines]
+        facts = [f for found in timed.values() for f in found.facts]
+        others = sum(f["others"] for f in facts) / max(sum(f["seconds"] for f in facts), 1e-9)
+        return Growth(id=study.id, title=study.title, x_label=study.x_label, second_label=SECONDS[study.second],
+                      lines=lines, finding=_finding(study, lines, clock([others])), others=others,
+                      command="raytruth chart --growth " + study.id)
+
+    def _id(self, label: str, x: float) -> str:
+        return f"{self.study.id} {label} {x:g}"
+
+    def _threads(self, x: float) -> int | None:
+        return int(x) if self.study.x_is_threads else None
+
+    def _first(self, label: str, settings: dict, x: float, scene: Scene) -> tuple[np.ndarray | None, dict]:
+        """The colours of the first picture, and the answer."""
+        file = self.store.path(self.store.key(scene, self.study.id, label, x), "-planes.npz")
+        try:
+            answer = self.team.first(self._id(label, x), scene, Contestant(OURS, settings), file, threads=self._threads(x))
+            if answer["state"] == "ok" and (wrong := problem(file, scene)):
+                answer = {"state": "malformed", "message": wrong}
+            return (load_npz(file)[0]["color"] if answer["state"] == "ok" else None), answer
+        finally:
+            file.unlink(missing_ok=True)
+
+
+def _second(study: Study, scene: Scene, facts: dict, color, reference) -> float | None:
+    match study.second:
+        case "error" if color is not None and reference is not None:
+            return float(np.nanmean(pixel_error(color, reference)))
+        case "memory":
+            return facts.get("peak_mib")
+        case "rays" if facts.get("rays"):
+            return facts["rays"] / (scene.camera.width * scene.camera.height)
+        case "evaluations":
+            return facts.get("evaluations")
+    return None
+
+
+def _with_efficiency(point: GrowthPoint, one: GrowthPoint) -> GrowthPoint:
+    if not point.picture or not one.picture:
+        return point
+    return point.model_copy(update={"second": one.picture.wall.median / (point.x * point.picture.wall.median)})
+
+
+def _finding(study: Study, lines: list[GrowthLine], decisive: Clock) -> str:
+    """From the first value to the last: by what factor time and the other thing grew."""
+    told = []
+    for line in lines:
+        done = [p for p in line.points if p.picture and p.second is not None]
+        if len(done) < 2:
+            continue
+        a, b = done[0], done[-1]
+        if study.x_is_threads:
+            best = max(done, key=lambda p: a.picture.wall.median / p.picture.wall.median)
+            told.append(f"{best.x:g} threads are {a.picture.wall.median / best.picture.wall.median:.2f} times as fast as "
+                        f"one, an efficiency of {best.second:.0%}")
+            continue
+        time = getattr(b.picture, decisive).median / getattr(a.picture, decisive).median
+        other = b.second / a.second if a.second else float("nan")
+        told.append(f"{line.label}: {b.x / a.x:.3g} times the {study.x_label} take {time:.3g} times the time, and "
+                    f"{study.second} grows {other:.3g}-fold" if other >= 1 else
+                    f"{line.label}: {b.x / a.x:.3g} times the {study.x_label} take {time:.3g} times the time, and the "
+                    f"{study.second} falls to {other:.3g} of what it was")
+    return "; ".join(told)

@@ -1,0 +1,199 @@
+"""What the child process does with one contestant: a first picture that is judged, and warm runs that are timed."""
+
+from __future__ import annotations
+
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+import drjit as dr
+import numpy as np
+
+from reference_tracer.backend import use_threads
+from reference_tracer.camera_rays import camera_rays
+from reference_tracer.first_hit import Crossing
+from reference_tracer.render import Picture, Renderer
+from reference_tracer.scene.model import Scene
+from reference_tracer.world import World
+
+from .. import renderers
+from ..bench.timing import Cost, timed
+
+SHORTEST = 0.03  # seconds: quicker runs are repeated until their times can be told from the clock's noise
+LARGEST_STEP = 1000.0  # of the scene format
+
+
+@dataclass
+class Made:
+    """A picture with its cost. `build` is in wall seconds, None where nothing is converted."""
+
+    picture: Picture
+    cost: Cost
+    build: float | None = None
+    program_kib: int = 0  # peak memory of programs that were run
+
+
+class Competitor(Protocol):
+    """What is measured, bound to a scene."""
+
+    def first(self) -> Made:
+        """The picture that is judged."""
+
+    def warm(self) -> Made:
+        """The same once more, for its time."""
+
+    def first_hits(self) -> Cost | None:
+        """The camera rays' first hits alone, warm; None where they cannot be had apart."""
+
+    def evaluations(self) -> float | None:
+        """Of f, a camera ray."""
+
+
+def competitor(scene: Scene, renderer: str, settings: dict, timed_settings: dict, truth: Path | None,
+               threads: int | None) -> Competitor:
+    """Raises InputError for what is not known."""
+    if renderer != "reference":
+        return Other(scene, renderer, settings, timed_settings)
+    settings = dict(settings)
+    method = settings.pop("method")
+    if method == "oracle":
+        return Oracle(scene, truth)
+    if method == "crude":  # the sign of f at the ray's end, and nothing before it
+        method, settings["step_size"] = "paper", min(scene.tracing.max_distance, LARGEST_STEP)
+    return Ours(scene, method, threads=threads, **settings)
+
+
+class Ours:
+    """A first-hit method of the reference tracer; what is recorded for the first picture is replayed for the others."""
+
+    def __init__(self, scene: Scene, method: str, precision: int = 64, threads: int | None = None, **tracing):
+        self.scene, self.method, self.threads = scene.traced_with(**tracing), method, threads
+        self.renderer = Renderer(self.scene, method, precision=precision, threads=threads)
+        self.world = self.renderer.world
+        self._find = dr.freeze(self._nearest, warn_after=1 << 30)
+        self._rays = None
+
+    def first(self) -> Made:
+        return self._picture(lambda run: timed(run))
+
+    def warm(self) -> Made:
+        return self._picture(repeatedly)
+
+    def _picture(self, clock: Callable) -> Made:
+        use_threads(self.threads)
+        pictures = []
+        cost = clock(lambda: pictures.append(self.renderer.picture()))
+        return Made(pictures[-1], cost)
+
+    def first_hits(self) -> Cost:
+        use_threads(self.threads)
+        if self._rays is None:
+            camera = self.scene.camera
+            self._rays = camera_rays(self.world, range(camera.width * camera.height), 1)
+            self._hits()
+        return repeatedly(self._hits)
+
+    def _hits(self) -> None:
+        dr.eval(self._find(self._rays, self.world.variables))
+        dr.sync_thread()
+
+    def _nearest(self, rays, variables):
+        hit = self.world.nearest(rays.wave(self.world, 0).ray)
+        return hit.t, hit.index, hit.undecided
+
+    def evaluations(self) -> float:
+        """Counted in a world of its own, so that counting costs the timed one nothing."""
+        world = World(self.scene, self.method, self.world.arrays)
+        counter = dr.zeros(world.arrays.Bits, 1)
+        dr.make_opaque(counter)
+        for family in world.families:
+            family.method = Counted(family.method, counter)
+        pixels = self.scene.camera.width * self.scene.camera.height
+        hit = world.nearest(camera_rays(world, range(pixels), 1).wave(world, 0).ray)
+        dr.eval(hit.t, hit.index, counter)
+        return counter[0] / pixels
+
+
+class Counted:
+    """A first-hit method that adds up its own evaluations of f."""
+
+    def __init__(self, base, counter):
+        self.base, self.counter = base, counter
+        self.name, self.closed_form, self.variables = base.name, base.closed_form, base.variables
+
+    def first(self, solid, ray, inside, limit) -> Crossing:
+        crossing = self.base.first(solid, ray, inside, limit)
+        dr.scatter_add(self.counter, type(self.counter)(crossing.evaluations), dr.uint32_array_t(self.counter)(0))
+        return crossing
+
+    def crossings(self, *arguments):
+        return self.base.crossings(*arguments)
+
+
+class Other:
+    """Another renderer: built and traced anew every time, each apart."""
+
+    def __init__(self, scene: Scene, name: str, settings: dict, timed_settings: dict):
+        self.scene, self.name, self.settings = scene, name, settings
+        self.timed_settings = {**settings, **timed_settings}
+
+    def first(self) -> Made:
+        return self._made(self.settings)
+
+    def warm(self) -> Made:
+        return self._made(self.timed_settings)
+
+    def _made(self, settings: dict) -> Made:
+        start = time.perf_counter()
+        picture = renderers.render(self.name, self.scene, settings)
+        told = picture.metadata
+        wall = told.get("first") or time.perf_counter() - start
+        children = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return Made(picture, Cost(wall, told.get("cpu") or wall), told.get("build"), children.ru_maxrss)
+
+    def first_hits(self) -> None:
+        return None
+
+    def evaluations(self) -> None:
+        return None
+
+
+class Oracle:
+    """Hands the truth through: the least that a picture can cost, and an accuracy that must come out perfect."""
+
+    def __init__(self, scene: Scene, truth: Path):
+        with np.load(truth) as file:
+            self.planes = {name: file[name] for name in ("color", "t", "index")}
+        self.scene = scene
+
+    def first(self) -> Made:
+        return self._copied(timed)
+
+    def warm(self) -> Made:
+        return self._copied(repeatedly)
+
+    def _copied(self, clock: Callable) -> Made:
+        copies = []
+        cost = clock(lambda: copies.append({name: plane.copy() for name, plane in self.planes.items()}))
+        color, index = copies[-1]["color"], copies[-1]["index"]
+        unknown = np.full(color.shape, np.nan)
+        return Made(Picture(**copies[-1], position=unknown, normal=unknown, depth=np.zeros(index.shape, np.uint8),
+                            status=(index >= 0).astype(np.uint8), scene=self.scene), cost)
+
+    def first_hits(self) -> None:
+        return None
+
+    def evaluations(self) -> None:
+        return None
+
+
+def repeatedly(work: Callable[[], object]) -> Cost:
+    """The cost of `work`, in the mean over as many runs as it takes to measure it."""
+    total, runs = Cost(0.0, 0.0), 0
+    while total.wall < SHORTEST:
+        one = timed(work)
+        total, runs = Cost(total.wall + one.wall, total.cpu + one.cpu), runs + 1
+    return Cost(total.wall / runs, total.cpu / runs)

@@ -1,0 +1,162 @@
+"""Charts every subject: the truth first, then every contestant's accuracy, then their times in turns."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from reference_tracer.image_files import load_npz
+from reference_tracer.scene.model import Scene
+
+from ..machine import machine
+from ..planes import problem
+from ..progress import Progress
+from . import truth as truths
+from .accuracy import accuracy, uncertainty
+from .findings import findings
+from .growth import Study
+from .growing import measured
+from .results import Chart, Point, Series, Subject, clock
+from .store import Store
+from .subjects import Charted
+from .sweeps import SWEEPS, Contestant, Sweep
+from .team import Team
+from .truth import Truth
+from .turns import Timed, take_turns
+
+
+@dataclass(frozen=True)
+class Options:
+    folder: Path
+    full: bool = False
+    turns: int = 3
+    limit: float = 120.0  # seconds an answer may take
+    quiet: bool = False
+
+
+@dataclass(frozen=True)
+class _Entry:
+    """One point to be measured. `key` names its files."""
+
+    sweep: Sweep
+    value: float | None
+    contestant: Contestant
+    key: str
+
+    def point(self, **more) -> Point:
+        return Point(label=self.sweep.label(self.value), value=self.value, settings=self.contestant.settings, **more)
+
+
+def run(subjects: Sequence[Charted], studies: Sequence[Study], options: Options, sweeps: Sequence[Sweep] = SWEEPS,
+        team: Team | None = None) -> Chart:
+    """The document of `subjects` and of the growth `studies`. What is finished is kept by content in the folder."""
+    start = time.monotonic()
+    store = Store(options.folder, options.turns)
+    progress = Progress(len(subjects) + len(studies), options.quiet)
+    with team or Team(options.limit) as asked:
+        charted, grown = [], []
+        for subject in subjects:
+            progress.show(subject.scene.name)
+            charted.append(_Subject(subject, sweeps, options, store, asked).charted())
+            progress.step(label=subject.scene.name)
+        for study in studies:
+            progress.show(study.title)
+            grown.append(measured(study, options.turns, store, asked))
+            progress.step(label=study.title)
+    progress.close()
+    return Chart(created=datetime.now(UTC).isoformat(timespec="seconds"), seconds=round(time.monotonic() - start, 1),
+                 machine=machine(), threads=len(os.sched_getaffinity(0)), turns=options.turns, truth=truths.TOLD,
+                 subjects=charted, growths=grown)
+
+
+class _Subject:
+    """The measuring of one subject."""
+
+    def __init__(self, subject: Charted, sweeps: Sequence[Sweep], options: Options, store: Store, team: Team):
+        self.scene, self.kind, self.options, self.store, self.team = subject.scene, subject.kind, options, store, team
+        self.sweeps = sweeps
+        self.truth_file = store.path(store.key(self.scene, "truth"), ".npz")
+
+    def charted(self) -> Subject:
+        scene = self.scene
+        about = {"id": scene.name, "title": scene.title or scene.name, "kind": self.kind, "width": scene.camera.width,
+                 "height": scene.camera.height, "objects": len(scene.objects),
+                 "command": f"raytruth chart {scene.name} --size {scene.camera.width}x{scene.camera.height}"
+                            + (" --full" if self.options.full else "")}
+        truth, answer = self._truth()
+        if truth is None:
+            return Subject(**about, pixels=0, undecided=0, uncertainty=None, state=answer["state"],
+                           message=answer.get("message", ""), series=[], findings=[])
+        series = self._series(truth)
+        decisive = clock([p.others for s in series for p in s.points if p.turns])
+        return Subject(**about, pixels=int(truth.decided.sum()), undecided=truth.undecided,
+                       uncertainty=uncertainty(truth), series=series, findings=findings(series, decisive))
+
+    def _truth(self) -> tuple[Truth | None, dict]:
+        answer = {"state": "ok"}
+        for _ in range(2):  # a file that cannot be read is made anew
+            try:
+                return truths.load(self.truth_file), answer
+            except (OSError, ValueError, KeyError, TypeError):
+                answer = self.team.truth(self.scene, self.truth_file)
+                if answer["state"] != "ok":
+                    return None, answer
+        return None, {"state": "malformed", "message": "the truth that was made cannot be read"}
+
+    def _series(self, truth: Truth) -> list[Series]:
+        entries = {sweep.id: [_Entry(sweep, value, contestant, self._key(contestant))
+                              for value, contestant in sweep.contestants(self.options.full)]
+                   for sweep in self.sweeps if sweep.is_registered}
+        every = [entry for sweep in entries.values() for entry in sweep]
+        points = {entry.key: kept for entry in every if (kept := self.store.find(entry.key, Point))}
+        waiting = {entry.key: entry for entry in every if entry.key not in points}
+        judged = {key: self._judged(entry, truth) for key, entry in waiting.items()}
+        timed = take_turns({key: lambda entry=waiting[key]: self.team.timed(
+            entry.key, self.scene, entry.contestant, self.truth_file) for key, (point, _) in judged.items()
+            if point.state == "ok"}, self.options.turns)
+        for key, (point, first) in judged.items():
+            points[key] = _with_times(point, first, timed[key]) if key in timed else point
+            if points[key].state == "ok":
+                self.store.keep(key, points[key])
+        return [Series(id=sweep.id, method=sweep.method, title=sweep.title, kind=sweep.kind, parameter=sweep.parameter,
+                       points=[points[entry.key].model_copy(update={"label": sweep.label(entry.value)})
+                               for entry in entries[sweep.id]]
+                       if sweep.is_registered else [_unregistered(sweep)]) for sweep in self.sweeps]
+
+    def _key(self, contestant: Contestant) -> str:
+        return self.store.key(self.scene, contestant.renderer, contestant.settings, contestant.timed)
+
+    def _judged(self, entry: _Entry, truth: Truth) -> tuple[Point, float]:
+        """The point without times, and the wall seconds of its first picture."""
+        file = self.store.path(entry.key, "-planes.npz")
+        try:
+            answer = self.team.first(entry.key, self.scene, entry.contestant, file, self.truth_file)
+            state, message = answer["state"], answer.get("message", "")
+            if state == "ok" and (wrong := problem(file, self.scene)):
+                state, message = "malformed", wrong
+            if state != "ok":
+                return entry.point(state=state, message=message), 0.0
+            planes, _ = load_npz(file)
+            facts = answer["facts"]
+            return entry.point(state="ok", accuracy=accuracy(truth, planes), evaluations=facts["evaluations"],
+                               peak_mib=facts["peak_mib"]), facts["first"]
+        finally:
+            file.unlink(missing_ok=True)
+
+
+def _with_times(point: Point, first: float, timed: Timed) -> Point:
+    if timed.failure:
+        return point.model_copy(update={"state": timed.failure["state"], "message": timed.failure.get("message", "")})
+    picture = timed.times()
+    return point.model_copy(update={
+        "picture": picture, "hits": timed.times("hits_"), "build": timed.build, "turns": len(timed.facts),
+        "others": timed.others, "compiling": max(first - picture.wall.median, 0.0)})
+
+
+def _unregistered(sweep: Sweep) -> Point:
+    return Point(label="", value=None, settings=sweep.settings, state="missing",
+                 message=f"this raytruth knows no renderer {sweep.renderer!r}")

@@ -1,0 +1,87 @@
+"""The child process that measures: python -m comparisons.charting.worker KERNELS
+
+Kernels are kept in the folder KERNELS, empty at first, so that compiling is measured and not found done.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections import OrderedDict
+from pathlib import Path
+
+from ..worker import serve
+
+MOST_KEPT = 64  # competitors whose recordings are kept between their turns
+
+
+def main(kernels: str) -> None:
+    Path(kernels).mkdir(parents=True, exist_ok=True)
+    os.environ["DRJIT_CACHE_DIR"] = kernels
+    kept: OrderedDict[str, object] = OrderedDict()
+    serve(lambda request: _answer(request, kept))
+
+
+def _answer(request: dict, kept: OrderedDict) -> dict:
+    from reference_tracer.scene.load import parse_scene
+
+    from . import truth
+
+    scene = parse_scene(request["scene"].encode(), "scene")
+    if request["do"] == "truth":
+        truth.save(truth.make(scene), Path(request["truth"]))
+        return {"state": "ok"}
+    return {"state": "ok", "facts": (_judged if request["do"] == "first" else _timed)(request, scene, kept)}
+
+
+def _judged(request: dict, scene, kept: OrderedDict) -> dict:
+    """The first picture, for its accuracy; what it took to get there."""
+    import drjit as dr
+
+    from reference_tracer.image_files import save_npz
+
+    from ..memory import forget_peak, peak_kib
+
+    dr.flush_malloc_cache()
+    forget_peak()
+    found = _competitor(request, scene, kept)
+    made = found.first()
+    peak = max(peak_kib(), made.program_kib)
+    planes = Path(request["planes"])
+    part = planes.with_suffix(".part")
+    save_npz(made.picture, part)
+    os.replace(part, planes)
+    return {"first": made.cost.wall, "build": made.build, "peak_mib": peak / 1024, "evaluations": found.evaluations(),
+            "rays": made.picture.metadata.get("rays")}
+
+
+def _timed(request: dict, scene, kept: OrderedDict) -> dict:
+    """One turn."""
+    from ..bench.timing import busy_elsewhere
+
+    fresh = request["id"] not in kept
+    found = _competitor(request, scene, kept)
+    if fresh:  # the process was replaced since: what must be compiled is compiled before the clock starts
+        found.warm()
+    start, before = time.monotonic(), busy_elsewhere()
+    made = found.warm()
+    hits = found.first_hits() if request["hits"] else None
+    return {"wall": made.cost.wall, "cpu": made.cost.cpu, "build": made.build,
+            "others": max(busy_elsewhere() - before, 0.0), "seconds": time.monotonic() - start,
+            **({"hits_wall": hits.wall, "hits_cpu": hits.cpu} if hits else {})}
+
+
+def _competitor(request: dict, scene, kept: OrderedDict):
+    from .measuring import competitor
+
+    if request["id"] not in kept:
+        kept[request["id"]] = competitor(scene, request["renderer"], request["settings"], request["timed"],
+                                         Path(request["truth"]) if request["truth"] else None, request["threads"])
+        while len(kept) > MOST_KEPT:
+            kept.popitem(last=False)
+    return kept[request["id"]]
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
