@@ -1,8 +1,9 @@
 """The odd one out, by majority of independent implementations.
 
 Renderers that share their shading are wrong together, so each implementation has one vote: what speaks against a
-renderer is, for every implementation, the share of its other renderers that disagree with it. The one that most speaks
-against leaves, until all that are left agree. Where two are equally suspect nobody can say which is wrong.
+renderer is, for every implementation, the share of its other renderers that disagree with it. Those that most speaks
+against leave if that is more than half of all votes, and so on until all that are left agree. Without such a majority, or
+where more implementations are suspect than not, nobody can say which is wrong.
 """
 
 from __future__ import annotations
@@ -21,35 +22,37 @@ class Odd:
     against: tuple[str, ...]
 
 
-def odd_ones(implementation: dict[str, str], disagree: Iterable[tuple[str, str]]) -> list[Odd]:
+def odd_ones(implementation: dict[str, str], disagree: Iterable[tuple[str, str]], known: str = "") -> list[Odd]:
     """Who disagrees with the majority, most suspect first.
 
     `implementation` maps every renderer that has a picture to what it is built on; `disagree` are the pairs whose
-    limits are exceeded. A pair that was not compared counts as agreeing.
+    limits are exceeded. A pair that was not compared counts as agreeing. Where there is no majority it is `known`, if
+    that is among those who disagree: the one whose faults are its nature.
     """
     left, pairs = list(implementation), {frozenset(pair) for pair in disagree}
     found = []
     while True:
-        votes = {name: _votes(name, left, implementation, pairs) for name in left}
-        most = max(votes.values(), default=0)
+        against = {name: tuple(n for n in left if frozenset((n, name)) in pairs) for name in left}
+        shares = {name: _share(name, left, implementation, against[name]) for name in left}
+        most = max(shares.values(), default=0)
         if most <= EQUAL:
             return found
-        suspects = [name for name in left if votes[name] >= most - EQUAL]
-        against = [name for name in left if any(frozenset((name, s)) in pairs for s in suspects if s != name)]
-        if len(suspects) > 1:
-            # renderers of one implementation that everybody else contradicts together are wrong together
-            if len({implementation[s] for s in suspects}) > 1 or any(
-                    frozenset((a, b)) in pairs for a in suspects for b in suspects if a != b):
-                return [*found, Odd(tuple(suspects), tuple(against))]
-        for suspect in suspects:
-            found.append(Odd((suspect,), tuple(n for n in left if frozenset((n, suspect)) in pairs)))
+        suspects = [name for name in left if shares[name] >= most - EQUAL]
+        trusted = {implementation[name] for name in left if name not in suspects}
+        if most <= 0.5 + EQUAL or len(trusted) <= len({implementation[s] for s in suspects}):
+            suspects = [name for name in left if name in suspects or any(name in against[s] for s in suspects)]
+            if known not in suspects:
+                return [*found, Odd(tuple(suspects), tuple(n for n in left if any(n in against[s] for s in suspects)))]
+            suspects = [known]
+        found += [Odd((s,), against[s]) for s in suspects]
         left = [name for name in left if name not in suspects]
 
 
-def _votes(name: str, left: list[str], implementation: dict[str, str], pairs: set[frozenset]) -> float:
-    votes = 0.0
-    for built_on in set(implementation.values()):
+def _share(name: str, left: list[str], implementation: dict[str, str], against: tuple[str, ...]) -> float:
+    """The share of all votes that speaks against a renderer; other renderers of its implementation have one as well."""
+    votes = []
+    for built_on in {implementation[n] for n in left}:
         others = [n for n in left if n != name and implementation[n] == built_on]
         if others:
-            votes += sum(frozenset((name, n)) in pairs for n in others) / len(others)
-    return votes
+            votes.append(sum(n in against for n in others) / len(others))
+    return sum(votes) / len(votes) if votes else 0.0

@@ -52,7 +52,7 @@ def dissent(scene: Scene, members: list[Member], of_scene: dict[str, list[Run]],
     present = {run.renderer for run in of_scene[scene.name] if run.state == "ok"}
     broken = {frozenset((p.first, p.second)): p for p in found if not p.agrees}
     told = []
-    for odd in odd_ones({m.name: m.implementation for m in members if m.name in present}, map(tuple, broken)):
+    for odd in odd_ones({m.name: m.implementation for m in members if m.name in present}, map(tuple, broken), LITERAL):
         example = max((p for pair, p in broken.items() if pair & set(odd.suspects)), key=lambda p: p.color_p99 or 0)
         expected = LITERAL in odd.suspects
         told.append(Dissent(scene=scene.name, renderers=list(odd.suspects), against=list(odd.against), expected=expected,
@@ -61,9 +61,12 @@ def dissent(scene: Scene, members: list[Member], of_scene: dict[str, list[Run]],
 
 
 def _sentence(odd, example: Pair, expected: bool) -> str:
-    numbers = f"with {example.second if example.first in odd.suspects else example.first}: {example.broken}"
+    numbers = f"between {example.first} and {example.second} {example.broken}"
     if len(odd.suspects) > 1:
-        return (f"{' and '.join(odd.suspects)} disagree, and those that agree with both cannot tell which is wrong; "
-                f"{numbers}" + (". The literal method misses what falls between two steps" if expected else ""))
-    who = f"{odd.suspects[0]} disagrees with {', '.join(odd.against)}; {numbers}"
-    return who + (". What falls between two of its steps is missed: its nature, not a fault" if expected else "")
+        return f"no majority tells which of {_listed(odd.suspects)} is wrong; {numbers}"
+    return f"{odd.suspects[0]} disagrees with {_listed(odd.against)}; {numbers}" + (
+        "; what falls between two of its steps is missed, which is its nature and not a fault" if expected else "")
+
+
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
-from converters.mitsuba.crossings import Crossings, Hit, spawn
+from converters.mitsuba.crossings import OFFSET, Crossings, Hit, spawn
 from converters.mitsuba.variant import dr, mi
 from reference_tracer.rays import Sides
 from reference_tracer.placement import is_inside
@@ -25,14 +25,14 @@ MOST_RAYS = 1 << 19
 
 
 def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: float | None = None,
-           share: float = 1.0, repeat: bool = True) -> Picture:
+           share: float = 1.0, offset: float = OFFSET, repeat: bool = True) -> Picture:
     """The picture of `scene` on Mitsuba's geometry; see `converters.mitsuba.convert` for the options.
 
     The metadata keeps apart the seconds to build the scene, to trace it first (kernels are compiled then) and, if
     that was quick and `repeat`, to trace it again. Raises InputError for impossible meshes.
     """
     converted = convert(scene, shapes, resolution, error, share)
-    tracer = _Tracer(scene, converted)
+    tracer = _Tracer(scene, converted, offset)
     planes, rays, first = _timed(tracer)
     warm = _timed(tracer)[2] if repeat and first < LONG else None
     camera = scene.camera
@@ -70,8 +70,8 @@ class _Rays:
 class _Tracer:
     """A scene bound to its conversion."""
 
-    def __init__(self, scene: Scene, converted: MitsubaScene):
-        self.document, self.converted, self.crossings = scene, converted, Crossings(scene, converted)
+    def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET):
+        self.document, self.converted, self.crossings = scene, converted, Crossings(scene, converted, offset)
         materials = [o.material for o in scene.objects]
         column = lambda values: mi.Float([float(v) for v in values] or [0.0])  # an empty one cannot be read, even never
         self.color = [column(m.color[k] for m in materials) for k in range(3)]
@@ -96,7 +96,7 @@ class _Tracer:
             brightness = mi.Color3f(*(dr.gather(mi.Float, c, j) for c in self.light_brightness))
             shadow_dir = dr.normalize(position - hit.p)
             cos = dr.dot(shadow_dir, hit.normal)
-            origin = spawn(hit.p, hit.facet, shadow_dir)
+            origin = spawn(hit.p, hit.facet, shadow_dir, self.crossings.offset)
             lit = active & (cos > 0)
             intensity, unsure = self.crossings.light_through(origin, shadow_dir, dr.norm(position - origin), sides, lit)
             total += brightness * dr.select(lit, cos * intensity, 0)
@@ -169,7 +169,7 @@ class _Tracer:
                 source = dr.gather(mi.UInt32, found, lane, mine)
                 pick = lambda value: dr.gather(type(value), value, source, mine)
                 direction = pick(d)
-                theirs = _Rays(spawn(pick(hit.p), pick(hit.facet), direction), direction,
+                theirs = _Rays(spawn(pick(hit.p), pick(hit.facet), direction, self.crossings.offset), direction,
                                Sides([pick(w) for w in sides.words]), pick(rays.weight) * pick(weight), pick(rays.slot))
                 queue = dr.select(mine, theirs, queue) if queue else theirs
                 lane -= dr.opaque(mi.UInt32, dr.width(found))  # wraps around for the lanes that are served

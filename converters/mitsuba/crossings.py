@@ -33,16 +33,16 @@ class Hit:
     lost: object  # mi.Bool, undecided
 
 
-def spawn(p, facet, d):
-    """A point OFFSET off the facet through p, on the side that d points to."""
-    return p + facet * dr.copysign((1 + dr.max(dr.abs(p))) * OFFSET, dr.dot(facet, d))
+def spawn(p, facet, d, offset: float = OFFSET):
+    """A point off the facet through p, on the side that d points to; `offset` is relative to 1 + p's coordinates."""
+    return p + facet * dr.copysign((1 + dr.max(dr.abs(p))) * offset, dr.dot(facet, d))
 
 
 class Crossings:
     """The queries of a tracer on a converted scene, for arrays of rays."""
 
-    def __init__(self, scene: Scene, converted: MitsubaScene):
-        self.scene = converted.scene
+    def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET):
+        self.scene, self.offset = converted.scene, offset
         self.index_of_shape = mi.UInt32(converted.index_of_shape)
         self.transparency = mi.Float([o.material.transparency for o in scene.objects])
         self.max_distance = dr.opaque(mi.Float, scene.tracing.max_distance)
@@ -74,7 +74,7 @@ class Crossings:
             index = dr.select(crossing, candidate, index)
             met |= crossing
             passed = dr.select(found, passed + si.t, passed)
-            origin = dr.select(found, spawn(place, si.n, d), origin)
+            origin = dr.select(found, spawn(place, si.n, d, self.offset), origin)
             tries += 1
             searching = found & ~crossing & (tries < MOST_REFUSED)
         lost = active & ~met & (tries >= MOST_REFUSED)
@@ -92,7 +92,7 @@ class Crossings:
             intensity *= dr.select(crossing, dr.gather(mi.Float, self.transparency, index, crossing), 1)
             words = Sides.select(crossing, words.flipped(index), words)
             passed = dr.select(found, passed + si.t, passed)
-            origin = dr.select(found, spawn(place, si.n, d), origin)
+            origin = dr.select(found, spawn(place, si.n, d, self.offset), origin)
             tries += 1
             searching = found & (intensity > 0) & (tries < MOST_CROSSINGS)
         return intensity, tries >= MOST_CROSSINGS
