@@ -8,22 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from converters.mesh import mesh_object, mesh_to_error
+from converters.mesh.placed import Placed
 from reference_tracer.backend import backend
 from reference_tracer.errors import InputError
 from reference_tracer.scene.model import Scene
 
+from .grid import grid
 from .sensor import sensor
 from .shapes import meshed, native
 from .variant import dr, mi
 
-SHAPES = ("native", "mesh")
+SHAPES = ("native", "mesh", "sdfgrid")
 
 
 @dataclass(frozen=True)
 class Part:
     """How one object was converted."""
 
-    kind: str  # "native", "mesh", or "nothing" where no ray can meet it
+    kind: str  # one of SHAPES, or "nothing" where no ray can meet it
     triangles: int
     error: float  # largest distance between shape and surface, before Mitsuba rounds it to fp32
     clipped: str  # what was cut off, see Mesh
@@ -48,7 +50,8 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
             share: float = 1.0) -> MitsubaScene:
     """`scene` for Mitsuba, no files in between.
 
-    `shapes` "native" takes Mitsuba's own sphere and rectangle and meshes for the rest, "mesh" takes meshes only.
+    `shapes` "native" takes Mitsuba's own sphere and rectangle and meshes for the rest, "mesh" takes meshes only,
+    "sdfgrid" takes grids for what is bounded and native shapes or meshes for the rest.
     Meshes have `resolution` cells along their longest side; or, if `error` is given in units of the scene, they keep
     it on that `share` of the surface (see `mesh_to_error`). Raises InputError for impossible meshes.
     """
@@ -58,8 +61,13 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
     start = time.perf_counter()
     made, parts = {}, []
     for index, obj in enumerate(scene.objects):
-        exact = native(obj, scene) if shapes == "native" else None
-        if exact:
+        placed = Placed(obj)
+        gridded = shapes == "sdfgrid" and placed.box is not None
+        exact = native(obj, scene) if shapes != "mesh" and not gridded else None
+        if gridded:
+            shape, distance = grid(placed, resolution)
+            part = Part("sdfgrid", 0, distance, "")
+        elif exact:
             shape, part = exact[0], Part("native", 0, 0.0, exact[1])
         else:
             mesh = (mesh_object(obj, scene, resolution) if error is None
