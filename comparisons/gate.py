@@ -25,6 +25,8 @@ NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by
 MESH = Tolerance("meshes", "surfaces replaced by triangles, error falling with the square of the resolution",
                  depth_p99=1e-4, color_p99=1e-3, failing_share=1e-2, clustered_share=1e-3, mismatch_share=5e-3)
 
+GRID = Tolerance("grids", "surfaces replaced by trilinear interpolations of f, error falling with the square of the cells",
+                 depth_p99=3e-4, color_p99=1e-2, failing_share=3e-2, clustered_share=2e-3, mismatch_share=5e-3)
 TRACERS = Tolerance("two tracers of one mesh", "the triangles are the same; what is left is single precision",
                     depth_p99=1e-6, color_p99=5e-5, failing_share=1e-3, clustered_share=1e-4, mismatch_share=1e-3)
 DOUBLE = Tolerance("double precision", "the same model in double precision",
@@ -35,6 +37,8 @@ def tolerance_of(run: Run) -> Tolerance:
     """How far a run may be from the truth. Where a renderer has no exact shape for a surface, triangles stand for it."""
     if run.renderer in ("exact", "paper"):
         return DOUBLE
+    if run.facts.get("grids"):
+        return GRID
     return MESH if run.facts.get("triangles") else NATIVE
 
 

@@ -42,6 +42,7 @@ def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: 
         "scene": scene.name, "scene_hash": scene.hash, "renderer": "mitsuba", "mitsuba": mi.__version__,
         "precision": 32, "shapes": shapes, "resolution": resolution if error is None else None, "mesh_error": error,
         "native_shapes": sum(p.kind == "native" for p in converted.parts),
+        "grids": sum(p.kind == "sdfgrid" for p in converted.parts),
         "triangles": converted.triangles, "measured_mesh_error": max(p.error for p in converted.parts),
         "clipped": "; ".join(f"object {i}: {p.clipped}" for i, p in enumerate(converted.parts) if p.clipped),
         "camera_difference": tracer.camera_difference(), "rays": rays, "build": converted.seconds,
