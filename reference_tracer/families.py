@@ -62,6 +62,7 @@ class Family:
         self.parameters = tuple(surface.parameters)
         self.rotated = any(o.rotation is not None for o in objects)
         self.bounded = all(o.surface.box() is not None for o in objects)
+        self.casts_shadow = objects[0].shadow  # like those of the others
         self.flipped = any(o.surface.inside == "positive" for o in objects)
 
         # a ball that a ray misses spares what costs more than to ask: a search, or the reading of a row
@@ -94,13 +95,26 @@ class Family:
                             dr.gather(arrays.UInt, self.index_of_row, j, active))
 
     @cached_property
-    def _unrolled(self) -> list[Member]:
+    def _members(self) -> list[Member]:
         """Every row, its numbers as scalars that kernels read at run time."""
         members = []
-        for index, row in zip(self.indices, self.rows):
-            numbers = iter(row)
-            members.append(self._member(lambda: self.arrays.constant(next(numbers)), self.arrays.count(index)))
+        for (index, *numbers) in self._scalars:
+            rest = iter(numbers)
+            members.append(self._member(lambda: next(rest), index))
         return members
+
+    @cached_property
+    def _scalars(self) -> list[list]:
+        """For every row the index of its object and its numbers."""
+        if len(self.rows) > MOST_UNROLLED:
+            return []
+        return [[self.arrays.count(index), *map(self.arrays.constant, row)]
+                for index, row in zip(self.indices, self.rows)]
+
+    @property
+    def variables(self) -> list:
+        """All arrays that kernels read of the family."""
+        return [self.table, self.index_of_row, self.count, self._scalars, self.method.variables]
 
     def _member(self, number: Callable, index) -> Member:
         """The member whose numbers, in the order of `_row`, are what `number` returns one by one."""
@@ -125,7 +139,7 @@ class Family:
     def fold(self, step: Callable[..., tuple], state: tuple) -> tuple:
         """`state = step(member, *state)` for every member in turn; what is returned is the last state."""
         if len(self.rows) <= MOST_UNROLLED:
-            for member in self._unrolled:
+            for member in self._members:
                 state = step(member, *state)
             return state
         more = lambda j, *state: j < self.count

@@ -99,7 +99,7 @@ def _write(pixels: np.ndarray, path, kind: str, names: list[str], about: dict) -
     for key, value in about.items():
         spec.attribute(f"raytruth:{key}", value if isinstance(value, str) else json.dumps(value))
     output = oiio.ImageOutput.create(str(path))
-    if output is None or not output.open(str(path), spec) or not output.write_image(pixels):
+    if output is None or not output.open(str(path), spec) or not output.write_image(np.ascontiguousarray(pixels)):
         message = output.geterror() if output else oiio.geterror()
         raise OSError(message.strip() or "the image writer failed")
     output.close()

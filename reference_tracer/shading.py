@@ -71,8 +71,14 @@ def collide(world: World, ray: Ray, active) -> Collision:
     if world.reflective or world.transparent:
         collision.reflected = dr.normalize(reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
         collision.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
+        if not world.traces["reflection"]:
+            collision.color += background * collision.reflected_weight
+            collision.reflected_weight = Float(0)
     if world.transparent:
-        _add_refraction(world, ray, collision, material, cos1, met)
+        if world.traces["refraction"]:
+            _add_refraction(world, ray, collision, material, cos1, met)
+        else:
+            collision.color += background * dr.select(met, T, 0)
     return collision
 
 

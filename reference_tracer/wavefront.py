@@ -3,20 +3,24 @@
 The recursion of section 4.3 becomes a work list. A wave of rays is traced by one kernel; its secondary rays, with the
 weight each has in its pixel, make up to two new waves. A wave longer than `MOST_RAYS` is split before it is traced,
 and the newest wave is traced first, so that memory stays bounded at any picture size and any depth.
+
+What a kernel needs of a wave's parents it reads itself, and it is recorded once and replayed for later waves: between
+two generations only the rays that go on are listed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import drjit as dr
 
-from .rays import Ray, Sides
+from .rays import Hit, Ray, Sides
 from .shading import Collision, collide
 from .world import World
 
-MOST_RAYS = 1 << 19  # about 130 MB of queues and intermediate results
+MOST_RAYS = 1 << 20  # about 200 MB of intermediate results
 REFRACTED = 1 << 31  # marks a refraction ray in a queue
 NO_RAY = (1 << 32) - 1  # pads a queue
 
@@ -40,9 +44,15 @@ class Primary:
     """What the first wave met, one entry a ray."""
 
     t: object  # Float, infinity where nothing was hit
-    point: object  # Vector
-    normal: object  # Vector
-    index: object  # UInt
+    point: object  # Vector, NaN where nothing was hit
+    normal: object  # Vector, NaN where nothing was hit
+    index: object  # UInt, the object in scene order; the number of objects where nothing was hit
+
+    @staticmethod
+    def of(world: World, hit: Hit, point, normal) -> Primary:
+        met = hit.index < world.object_count
+        return Primary(dr.select(met, hit.t, dr.inf), dr.select(met, point, dr.nan), dr.select(met, normal, dr.nan),
+                       hit.index)
 
 
 @dataclass
@@ -52,98 +62,203 @@ class Film:
     color: object  # Vector
     generation: object  # UInt, the highest generation of rays that was traced
     undecided: object  # UInt, 1 where any ray was undecided
-    rays: int = 0
+
+    @staticmethod
+    def blank(arrays, slots: int) -> Film:
+        film = Film(dr.zeros(arrays.Vector, slots), dr.zeros(arrays.UInt, slots), dr.zeros(arrays.UInt, slots))
+        dr.make_opaque(film.color, film.generation, film.undecided)
+        return film
 
     # Direct: the default mode depends on the film's size, and kernels with it
     def add(self, wave: Wave, color) -> None:
         dr.scatter_add(self.color, color * wave.weight, wave.slot, mode=dr.ReduceMode.Direct)
 
     def note(self, wave: Wave, undecided, generation) -> None:
-        UInt = type(self.undecided)
-        for plane, value in ((self.undecided, dr.select(undecided, UInt(1), 0)), (self.generation, generation)):
-            # rays of weight 0 pad the queue and belong to no pixel
-            dr.scatter_reduce(dr.ReduceOp.Max, plane, value, wave.slot, wave.weight > 0, mode=dr.ReduceMode.Direct)
+        # rays of weight 0 pad the queue and belong to no pixel; those of one pixel all write the same
+        traced = wave.weight > 0
+        dr.scatter(self.undecided, type(self.undecided)(1), wave.slot, traced & undecided)
+        highest = dr.maximum(dr.gather(type(generation), self.generation, wave.slot, traced), generation)
+        dr.scatter(self.generation, highest, wave.slot, traced)
+
+
+class Source(Protocol):
+    """Where the rays of a wave come from: a PyTree of arrays, from which a kernel makes them."""
+
+    def wave(self, world: World, generation: int) -> Wave:
+        """The rays."""
+
+
+@dataclass
+class Traced:
+    """A wave that is at hand."""
+
+    ray: Ray
+    weight: object
+    slot: object
+
+    def wave(self, world: World, generation: int) -> Wave:
+        return Wave(generation, self.ray, self.weight, self.slot)
+
+
+@dataclass
+class Parents:
+    """What secondary rays need of the collisions that they leave from, one entry a collision."""
+
+    point: object  # Vector
+    slot: object  # UInt
+    sides: Sides
+    reflected: object | None  # Vector, direction
+    reflected_weight: object | None  # Float, share in the pixel
+    refracted: object | None  # Vector, direction
+    refracted_weight: object | None  # Float, share in the pixel
+    refracted_sides: Sides | None
+
+    @staticmethod
+    def of(wave: Wave, collision: Collision) -> Parents:
+        weighted = lambda weight: None if weight is None else weight * wave.weight
+        return Parents(collision.point, wave.slot, wave.ray.sides, collision.reflected,
+                       weighted(collision.reflected_weight), collision.refracted, weighted(collision.refracted_weight),
+                       collision.refracted_sides)
+
+    @property
+    def weights(self) -> list:
+        """The weights of the reflection and of the refraction rays, with whether they refract; those there are."""
+        kinds = ((self.reflected_weight, False), (self.refracted_weight, True))
+        return [(weight, refracts) for weight, refracts in kinds if weight is not None]
+
+
+@dataclass
+class Secondary:
+    """The secondary rays that `queue` lists: rows of `parents`, REFRACTED added to those of refraction rays."""
+
+    parents: Parents
+    queue: object  # UInt
+
+    def wave(self, world: World, generation: int) -> Wave:
+        arrays, parents, entry = world.arrays, self.parents, self.queue
+        active = entry != NO_RAY
+        row = entry & (REFRACTED - 1)
+        through = active & ((entry & REFRACTED) != 0)
+        pick = lambda kind, value, mask: dr.gather(kind, value, row, mask)
+        sides = parents.sides.gather(row, active)
+        d, weight = dr.zeros(arrays.Vector), arrays.Float(0)
+        if parents.reflected_weight is not None:
+            d = pick(arrays.Vector, parents.reflected, active & ~through)
+            weight = pick(arrays.Float, parents.reflected_weight, active & ~through)
+        if parents.refracted_weight is not None:
+            d = dr.select(through, pick(arrays.Vector, parents.refracted, through), d)
+            weight = dr.select(through, pick(arrays.Float, parents.refracted_weight, through), weight)
+            sides = Sides.select(through, parents.refracted_sides.gather(row, through), sides)
+        return Wave(generation, Ray(pick(arrays.Vector, parents.point, active), d, sides), weight,
+                    pick(arrays.UInt, parents.slot, active), refracted=through)
+
+
+class Wavefront:
+    """Traces waves and all their descendants in one world.
+
+    `observe` is called with every wave and what became of it, before its secondary rays are traced; `disturb` may
+    replace the rays of every wave before they are traced.
+    """
+
+    def __init__(self, world: World, observe: Callable[[Wave, Collision], None] | None = None,
+                 disturb: Callable[[Wave], Ray] | None = None):
+        self.world, self.observe, self.disturb = world, observe, disturb
+        self.rays = 0
+        self._recorded = dr.freeze(self._step, warn_after=1 << 30)
+
+    def trace(self, source: Source, count: int, slots: int, primary: bool = True) -> tuple[Film, Primary | None]:
+        """Traces the `count` rays of `source`, at most MOST_RAYS, and all their descendants.
+
+        Returns the film and, if `primary`, what the first rays met.
+        """
+        film = Film.blank(self.world.arrays, slots)
+        met, waves = None, [(0, source, count)]
+        while waves:
+            generation, source, count = waves.pop()
+            self.rays += count
+            parents, film, found = self._traced(source, film, generation, primary and met is None)
+            met = met or found
+            if parents is not None:
+                waves += [(generation + 1, Secondary(parents, queue), dr.width(queue))
+                          for queue in self._queues(parents, generation + 1)]
+        return film, met
+
+    def _traced(self, source: Source, film: Film, generation: int, primary: bool):
+        last = generation == self.world.scene.tracing.max_depth
+        inputs = source, film, self.world.generation(generation), last, primary
+        if not (self.observe or self.disturb):
+            return self._recorded(*inputs, self.world.variables)
+        return self._step(*inputs, wave=self._watched(source, generation))
+
+    def _watched(self, source: Source, generation: int) -> Wave:
+        wave = source.wave(self.world, generation)
+        dr.eval(wave.ray.o, wave.ray.d, wave.ray.sides.words, wave.weight, wave.slot)
+        if self.disturb:
+            wave.ray = self.disturb(wave)
+        return wave
+
+    def _step(self, source: Source, film: Film, generation, last: bool, primary: bool, variables=None,
+              wave: Wave | None = None):
+        """One wave: its kernel. `variables` are all arrays that a recording reads besides its other inputs."""
+        world, watched = self.world, wave is not None
+        wave = wave or source.wave(world, -1)
+        collision = collide(world, wave.ray, active=wave.weight > 0)
+        film.add(wave, collision.color)
+        film.note(wave, collision.undecided, generation)
+        parents = Parents.of(wave, collision)
+        if last:  # beyond the last generation lies the background (decision D1)
+            if any(world.scene.background):
+                for weight, _ in parents.weights:
+                    dr.scatter_add(film.color, world.arrays.Vector(*world.background) * weight, wave.slot,
+                                   mode=dr.ReduceMode.Direct)
+            parents = None
+        met = Primary.of(world, collision.hit, collision.point, collision.normal) if primary else None
+        if watched:
+            dr.eval(film, collision)
+            if self.observe:
+                self.observe(wave, collision)
+        dr.eval(film, parents if parents and parents.weights else None, met)
+        return (parents if parents and parents.weights else None), film, met
+
+    # --- queues ----------------------------------------------------------------------------------------------------
+    def _queues(self, parents: Parents, generation: int) -> list:
+        """The secondary rays that go on, in arrays of at most MOST_RAYS rows; see `Secondary`."""
+        least = self.world.least_weight(generation)
+        queue = self._queue([(dr.compress(weight > least), refracts) for weight, refracts in parents.weights])
+        length = dr.width(queue)
+        if length <= MOST_RAYS:
+            return [queue] if length else []
+        return [self._part(queue, start) for start in range(0, length, MOST_RAYS)]
+
+    def _queue(self, chosen):
+        """The rows of reflection rays, then those of refraction rays with REFRACTED added, in one array."""
+        UInt = self.world.arrays.UInt
+        lengths = [dr.width(rows) for rows, _ in chosen]
+        if not sum(lengths):
+            return UInt()
+        # a queue of one ray would be taken for a constant and compile kernels of its own: pad it with one that is NO_RAY
+        queue = dr.full(UInt, NO_RAY, max(sum(lengths), 2))
+        start = 0
+        for (rows, refracts), length in zip(chosen, lengths):
+            if length:
+                dr.scatter(queue, rows | (REFRACTED if refracts else 0),
+                           dr.arange(UInt, length) + self.world.arrays.count(start))
+            start += length
+        dr.eval(queue)
+        return queue
+
+    def _part(self, queue, start: int):
+        """MOST_RAYS rows of `queue` from `start` on, or as many as there are, padded to two."""
+        arrays = self.world.arrays
+        lane = dr.arange(arrays.UInt, max(min(MOST_RAYS, dr.width(queue) - start), 2)) + arrays.count(start)
+        there = lane < arrays.count(dr.width(queue))
+        part = dr.select(there, dr.gather(arrays.UInt, queue, lane, there), NO_RAY)
+        dr.eval(part)
+        return part
 
 
 def trace(world: World, wave: Wave, slots: int,
           observe: Callable[[Wave, Collision], None] | None = None,
           disturb: Callable[[Wave], Ray] | None = None) -> tuple[Film, Primary]:
-    """Traces `wave` and all its descendants. The first wave must not exceed MOST_RAYS and yields the primary hits.
-
-    `observe` is called with every wave and what became of it, before its secondary rays are traced; `disturb` may
-    replace the rays of every wave before they are traced.
-    """
-    arrays = world.arrays
-    film = Film(dr.zeros(arrays.Vector, slots), dr.zeros(arrays.UInt, slots), dr.zeros(arrays.UInt, slots))
-    dr.make_opaque(film.color, film.generation, film.undecided)
-    primary, waves = None, [wave]
-    while waves:
-        wave = waves.pop()
-        film.rays += len(wave)
-        if disturb:
-            wave.ray = disturb(wave)
-        collision = collide(world, wave.ray, active=wave.weight > 0)
-        film.add(wave, collision.color)
-        film.note(wave, collision.undecided, world.generation(wave.generation))
-        if primary is None:
-            primary = Primary(dr.select(collision.hit.index < world.object_count, collision.hit.t, dr.inf),
-                              collision.point, collision.normal, collision.hit.index)
-        dr.eval(film.color, film.generation, film.undecided, collision)
-        if observe:
-            observe(wave, collision)
-        waves += _secondary_waves(world, wave, collision, film)
-    return film, primary
-
-
-def _secondary_waves(world: World, wave: Wave, collision: Collision, film: Film) -> list[Wave]:
-    """The reflection and refraction rays of `wave`; beyond max_depth they see the background (decision D1)."""
-    kinds = [(weight, refracts) for weight, refracts in
-             ((collision.reflected_weight, False), (collision.refracted_weight, True)) if weight is not None]
-    if wave.generation == world.scene.tracing.max_depth:
-        if any(world.scene.background):
-            for weight, _ in kinds:
-                film.add(wave, world.arrays.Vector(*world.background) * weight)
-        return []
-    chosen = [(dr.compress(weight > 0), refracts) for weight, refracts in kinds]
-    queue = _queue(world, chosen)
-    return [_gathered(world, wave, collision, queue, start) for start in range(0, dr.width(queue), MOST_RAYS)]
-
-
-def _queue(world: World, chosen):
-    """The rows of reflection rays, then those of refraction rays with REFRACTED added, in one array."""
-    UInt = world.arrays.UInt
-    lengths = [dr.width(rows) for rows, _ in chosen]
-    if not sum(lengths):
-        return UInt()
-    # a queue of one ray would be taken for a constant and compile kernels of its own: pad it with one that is NO_RAY
-    queue = dr.full(UInt, NO_RAY, max(sum(lengths), 2))
-    start = 0
-    for (rows, refracts), length in zip(chosen, lengths):
-        if length:
-            dr.scatter(queue, rows | (REFRACTED if refracts else 0),
-                       dr.arange(UInt, length) + world.arrays.count(start))
-        start += length
-    dr.eval(queue)
-    return queue
-
-
-def _gathered(world: World, wave: Wave, collision: Collision, queue, start: int) -> Wave:
-    """The rays that `queue` lists from `start` on, at most MOST_RAYS of them."""
-    arrays = world.arrays
-    lane = dr.arange(arrays.UInt, max(min(MOST_RAYS, dr.width(queue) - start), 2)) + arrays.count(start)
-    entry = dr.select(lane < arrays.count(dr.width(queue)), dr.gather(arrays.UInt, queue, lane), NO_RAY)
-    active = entry != NO_RAY
-    row = entry & (REFRACTED - 1)
-    pick = lambda kind, value: dr.gather(kind, value, row, active)
-    d, weight = pick(arrays.Vector, collision.reflected), pick(arrays.Float, collision.reflected_weight)
-    sides = wave.ray.sides.gather(row, active)
-    if collision.refracted is not None:
-        through = (entry & REFRACTED) != 0
-        d = dr.select(through, pick(arrays.Vector, collision.refracted), d)
-        weight = dr.select(through, pick(arrays.Float, collision.refracted_weight), weight)
-        sides = Sides.select(through, collision.refracted_sides.gather(row, active), sides)
-    child = Wave(wave.generation + 1, Ray(pick(arrays.Vector, collision.point), d, sides),
-                 dr.select(active, pick(arrays.Float, wave.weight) * weight, 0), pick(arrays.UInt, wave.slot),
-                 refracted=active & ((entry & REFRACTED) != 0))
-    dr.eval(child.ray.o, child.ray.d, child.ray.sides.words, child.weight, child.slot)
-    return child
+    """Traces `wave`, of at most MOST_RAYS rays, and all its descendants; see `Wavefront`."""
+    return Wavefront(world, observe, disturb).trace(Traced(wave.ray, wave.weight, wave.slot), len(wave), slots)

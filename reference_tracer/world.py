@@ -10,6 +10,7 @@ import drjit as dr
 
 from . import first_hit
 from .backend import Backend
+from .camera import canvas_point, frame
 from .families import Family, Member
 from .placement import is_inside
 from .rays import Hit, Ray, Sides
@@ -34,8 +35,8 @@ class World:
         self.object_count = len(scene.objects)
         groups: dict[tuple, list[int]] = {}
         for index, obj in enumerate(scene.objects):
-            own = obj.first_hit
-            groups.setdefault((obj.surface.family, *((own.method, own.step_size or 0) if own else ("", 0))), []).append(index)
+            own = (obj.first_hit.method, obj.first_hit.step_size or 0) if obj.first_hit else ("", 0)
+            groups.setdefault((obj.surface.family, own, obj.shadow), []).append(index)
         self.families = [
             Family(arrays, indices, [scene.objects[i] for i in indices],
                    first_hit.choose(method, scene.objects[indices[0]], scene.tracing, arrays))
@@ -106,6 +107,49 @@ class World:
         """The number `k` of a generation, as kernels read it."""
         return self._generations[k]
 
+    @cached_property
+    def _brightest(self) -> float:
+        """No ray returns more in any channel: weights of a collision never add up to more than 1."""
+        light = [sum(light.brightness[k] for light in self.scene.lights) for k in range(3)]
+        return max(max(max(self.scene.background[k], *(o.material.color[k] * light[k] for o in self.scene.objects))
+                       for k in range(3)), 1e-300)
+
+    def least_weight(self, generation: int) -> float:
+        """Rays of `generation` at or below this weight in their pixel are not traced (`cutoff` of the scene).
+
+        A ray left out in generation g changes its pixel by at most cutoff / 2^g. Every collision has two secondary rays
+        at most, so that over all rays left out 1 / 2^g adds up to no more than 1 (Kraft's inequality).
+        """
+        return self.scene.tracing.cutoff * 2.0**-generation / self._brightest
+
+    @property
+    def variables(self) -> list:
+        """All arrays that kernels read of the world, for recordings of them."""
+        canvas, axes, sides = self._camera
+        return [self.max_distance, self.background, self.light_count, self._material_columns, self._place_of_object,
+                self._light_columns, [family.variables for family in self.families],
+                canvas.ratio, canvas.width, canvas.height, self.columns, axes, sides.words]
+
+    @cached_property
+    def _camera(self):
+        arrays, f = self.arrays, frame(self.scene.camera)
+        return (f.mapped(arrays.constant), [arrays.vector(v.tolist()) for v in (f.v_x, f.v_y, f.v_dir, f.v_pos)],
+                self.camera_sides())
+
+    @cached_property
+    def columns(self):
+        """The width of the picture in pixels (UInt)."""
+        return self.arrays.count(self.scene.camera.width)
+
+    def camera_ray(self, row, column, sample_row, sample_column, samples: int) -> Ray:
+        """The ray through a sample of n x n of a pixel, all UInt arrays (sections 2 and 5)."""
+        Float = self.arrays.Float
+        canvas, (v_x, v_y, v_dir, v_pos), sides = self._camera
+        x, y = canvas_point(canvas, Float(row), Float(column), Float(sample_row), Float(sample_column), samples)
+        width = dr.width(row)
+        return Ray(v_pos + dr.zeros(self.arrays.Vector, width), dr.normalize(x * v_x + y * v_y + v_dir),
+                   Sides([word + dr.zeros(self.arrays.Bits, width) for word in sides.words]))
+
     # --- queries ---------------------------------------------------------------------------------------------------
     def nearest(self, ray: Ray) -> Hit:
         """The first crossing of each ray with any object within max_distance (decisions M1, M4, M5)."""
@@ -152,6 +196,8 @@ class World:
         undecided = self.arrays.Bool(False)
         if self.traces["shadow"]:
             for family in self.families:
+                if not family.casts_shadow:
+                    continue
                 intensity, undecided = self._light_through_family(family, ray, distance, intensity, undecided)
         return intensity, undecided
 

@@ -11,7 +11,8 @@ import numpy as np
 
 from ..backend import backend, use_threads
 from ..errors import InputError
-from ..render import camera_wave, render
+from ..camera_rays import camera_wave
+from ..render import render
 from ..scene.model import Scene
 from ..wavefront import MOST_RAYS, trace
 from ..world import World

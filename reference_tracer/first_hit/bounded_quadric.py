@@ -67,6 +67,7 @@ class BoundedQuadric:
 
     name = "bounded quadric"
     closed_form = True
+    variables = ()
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         outside = inside == solid.far_inside

@@ -11,6 +11,7 @@ class Cascade:
     """`fast` answers; where it is undecided, `safe` does. No ray is guessed."""
 
     closed_form = False
+    variables = ()
 
     def __init__(self, fast: FirstHit, safe: FirstHit):
         self.fast, self.safe = fast, safe

@@ -39,7 +39,7 @@ class Descartes(SegmentMethod):
         u, w = dr.zeros(Float, dr.width(scale)), Float(1)
         side = Bool(inside)
         count, segments = UInt(0), UInt(0)
-        undecided = Bool(False)
+        undecided, guess = Bool(False), Float(u)
         active = scale > 0
         while active:
             w = dr.minimum(w, 1 - u)
@@ -57,13 +57,15 @@ class Descartes(SegmentMethod):
             count += dr.select(hit, UInt(1), 0)
             segments += 1
             stays = hit & only_first
+            guess = dr.select(stays, u + w * (b[0] / (b[0] - b[len(a) - 1])), guess)
             moves = passed | (hit & ~stays)
             side ^= hit & ~stays
             u = dr.select(moves, u + w, u)
             w = dr.select(moves, 2 * w, dr.select(stays, w, 0.5 * w))
             active = ~stays & (u < 1) & (segments < MOST_SEGMENTS)
         undecided |= segments >= MOST_SEGMENTS
-        return Scan(dr.fma(u, scale, start), dr.fma(dr.minimum(u + w, 1), scale, start), count, undecided, segments)
+        return Scan(dr.fma(u, scale, start), dr.fma(dr.minimum(u + w, 1), scale, start), dr.fma(guess, scale, start), count,
+                    undecided, segments)
 
 
 def _bernstein(a, u, w, noise):

@@ -91,7 +91,8 @@ class FirstHit(Protocol):
     """A method that finds where rays change side."""
 
     name: str
-    closed_form: bool = False  # cheap enough not to ask first whether the ray meets the solid's bounds
+    closed_form: bool  # cheap enough not to ask first whether the ray meets the solid's bounds
+    variables: tuple = ()  # the arrays that its kernels read
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         """The first change of side of each ray on (0, limit]; `inside` is the side it starts on."""

@@ -33,7 +33,7 @@ class IntervalMethod(SegmentMethod):
         t, end, w = Float(start), Float(start), stop - start
         side = Bool(inside)
         g_start = dr.select(start > 0, solid.regular(*ray.at(start)), 0)  # at the origin g is noise; its side is known
-        count, segments, undecided = UInt(0), UInt(0), Bool(False)
+        count, segments, undecided, guess = UInt(0), UInt(0), Bool(False), Float(start)
         active = t < stop
         while active:
             w = dr.minimum(w, stop - t)
@@ -59,6 +59,7 @@ class IntervalMethod(SegmentMethod):
             count += dr.select(hit, UInt(1), 0)
             segments += 1
             stays = hit & only_first
+            guess = dr.select(stays, t + w * (g_start / (g_start - g_end)), guess)
             moves = passed | (hit & ~stays)
             side ^= hit & ~stays
             t = dr.select(moves, end, t)
@@ -66,7 +67,7 @@ class IntervalMethod(SegmentMethod):
             w = dr.select(moves, 2 * w, dr.select(stays, w, 0.5 * w))
             active = ~stays & ~(narrow & ~known) & (t < stop) & (segments < MOST_SEGMENTS)
         undecided |= segments >= MOST_SEGMENTS
-        return Scan(t, end, count, undecided, segments)
+        return Scan(t, end, guess, count, undecided, segments)
 
     def _end_of_segment(self, solid: Solid, ray: LocalRay, end):
         """g at `end`, whether that point is inside, and whether it is outside."""

@@ -16,6 +16,7 @@ class Linear:
 
     name = "linear"
     closed_form = True
+    variables = ()
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         t = self.next_crossing(solid, ray, inside)

@@ -25,6 +25,7 @@ class Paper:
         self.step_size = arrays.constant(step_size)
         self.tolerance = arrays.constant(tolerance)
         self.max_iterations = arrays.count(max_iterations)
+        self.variables = self.step_size, self.tolerance, self.max_iterations
 
     @dr.syntax
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:

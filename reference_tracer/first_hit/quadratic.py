@@ -78,6 +78,7 @@ class Quadratic:
 
     name = "quadratic"
     closed_form = True
+    variables = ()
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         parabola = Parabola.along(solid, ray, limit)

@@ -17,6 +17,7 @@ class Scan:
 
     t: object  # Float, start of the bracket
     end: object  # Float, end of the bracket
+    guess: object  # Float, where the line through g at both ends is zero
     count: object  # UInt, crossings found
     undecided: object  # Bool
     segments: object  # UInt, segments looked at
@@ -27,6 +28,7 @@ class SegmentMethod:
 
     evaluations: int  # of f, for each segment
     closed_form = False
+    variables = ()
 
     def scan(self, solid: Solid, ray: LocalRay, inside, limit, only_first) -> Scan:
         """Walks along (0, limit] to the bracket of the first crossing, or past all where not `only_first`."""
@@ -37,7 +39,7 @@ class SegmentMethod:
         found = scan.count > 0
         # on f itself, or its regular form, whatever the bracket was found with: a root of f to the last digit
         t, iterations = safeguarded_newton(lambda t: solid.slope_at(ray, t, solid.regular), scan.t, scan.end, inside,
-                                           found)
+                                           found, scan.guess)
         # where f is still zero a good way behind the root it has underflowed: its sign says nothing
         step = math.sqrt(dr.epsilon(type(t))) * dr.maximum(1, dr.abs(t))
         flat = found & (solid.regular(*ray.at(t + step)) == 0)

@@ -102,6 +102,7 @@ class Object(Part):
     rotation: Rotation | None = None
     material: Material = Material()
     first_hit: FirstHitChoice | None = Field(None, description="a method for this object alone")
+    shadow: bool = Field(True, description="whether it dims the light that crosses it")
 
 
 class Light(Part):

@@ -43,6 +43,7 @@ class _Wrapped:
     name = "broken"
 
     closed_form = False
+    variables = ()
 
     def __init__(self, inner):
         self.inner = inner

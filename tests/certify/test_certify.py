@@ -12,7 +12,7 @@ from reference_tracer.backend import backend
 from reference_tracer.certify import certify
 from reference_tracer.certify.text import told
 from reference_tracer.errors import InputError
-from reference_tracer.render import camera_wave
+from reference_tracer.camera_rays import camera_wave
 from reference_tracer.world import World
 
 

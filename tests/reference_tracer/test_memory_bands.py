@@ -29,12 +29,12 @@ def limited(monkeypatch, most: int):
     """Bands and waves of at most `most` rays; returns the list of the waves' lengths to come."""
     lengths = []
 
-    def counting(world, ray, active):
-        lengths.append(active.numpy().size)
-        return collide(world, ray, active)
+    def counting(self, source, *others):
+        lengths.append(len(source.wave(self.world, 0)))
+        return traced(self, source, *others)
 
-    collide = wavefront.collide
-    monkeypatch.setattr(wavefront, "collide", counting)
+    traced = wavefront.Wavefront._traced
+    monkeypatch.setattr(wavefront.Wavefront, "_traced", counting)
     for module in (wavefront, render_module):
         monkeypatch.setattr(module, "MOST_RAYS", most)
     return lengths

@@ -74,14 +74,14 @@ MUTANTS = {
         surfaces.test_O5_the_heart_s_constant_is_nine_eightieths),
     # sections 4.1 and 4.2
     "M1 a double root is a hit": Mutant(
-        "real=discriminant > 0", "real=discriminant >= 0",
+        "enters = (self.half_squared > 0)", "enters = (self.half_squared >= 0)",
         decisions.test_M1_a_ray_that_only_touches_has_not_hit, ("exact",)),
     "M2 samples counted from the box": Mutant(
         "dr.floor(known / self.step_size) - 1", "known / self.step_size",
         decisions.test_M2_samples_lie_at_multiples_of_the_step_counted_from_one),
     "M2 side read off f": Mutant(
-        "ray.sides.test(member.index), order)",
-        "member.solid.inside_at(member.local(ray.o, ray.d), 0.0), order)",
+        "inside = ray.sides.test(member.index)\n\n            def test(t,",
+        "inside = member.solid.inside_at(member.local(ray.o, ray.d), 0.0)\n\n            def test(t,",
         decisions.test_M2_the_side_at_the_start_is_told_and_not_read_off_f, ("exact",)),
     "M3 refraction keeps its side": Mutant(
         "self.words[0] ^ (bits(1) << bit)", "self.words[0]",
@@ -90,8 +90,8 @@ MUTANTS = {
         "is_inside(o, self.scene.camera.position)", "False",
         decisions.test_M3_a_camera_ray_starts_with_the_sign_of_f_at_the_camera, ("exact",)),
     "M3 an epsilon": Mutant(
-        "Ray(pick(arrays.Vector, collision.point), d, sides)",
-        "Ray(pick(arrays.Vector, collision.point) + d * 1e-4, d, sides)",
+        "Ray(pick(arrays.Vector, parents.point, active), d, sides)",
+        "Ray(pick(arrays.Vector, parents.point, active) + d * 1e-4, d, sides)",
         decisions.test_M3_nothing_is_offset_by_an_epsilon, ("exact",)),
     "M4 the first in the scene's order": Mutant(
         "((c.order < order) | ((c.order == order) & (c.t < t)))", "(c.order < order)",
@@ -114,8 +114,8 @@ MUTANTS = {
         "t = dr.select(finite, dr.clip(t - dt, step_end - h, step_end), t)",
         decisions.test_M6_newton_runs_as_written, (1e-12, 20)),
     "M7 exact keeps silent": Mutant(
-        "return Scan(t, end, count, undecided, segments)",
-        "return Scan(t, end, count, Bool(False), segments)",
+        "return Scan(t, end, guess, count, undecided, segments)",
+        "return Scan(t, end, guess, count, Bool(False), segments)",
         decisions.test_M7_the_exact_method_says_that_it_cannot_tell, ("1 + sqrt(4 - z)",)),
     # section 4.3
     "N1 not turned": Mutant(
@@ -158,8 +158,8 @@ MUTANTS = {
         "(1.0 - R) * (1.0 - T), 0)", "(1.0 - R), 0)",
         shading.test_the_three_rays_are_mixed_with_the_printed_weights, (0.3, 0.6, "exact")),
     "D1 one generation less": Mutant(
-        "wave.generation == world.scene.tracing.max_depth",
-        "wave.generation >= world.scene.tracing.max_depth - 1",
+        "generation == self.world.scene.tracing.max_depth",
+        "generation >= self.world.scene.tracing.max_depth - 1",
         shading.test_D1_a_mirror_box_is_a_geometric_series, (0.5, 7, "exact")),
     "D1 black beyond the last": Mutant(
         "if any(world.scene.background)", "if False",

@@ -10,7 +10,7 @@ import numpy as np
 from reference_tracer.backend import backend
 from reference_tracer.placement import is_inside
 from reference_tracer.rays import BITS, Ray, Sides
-from reference_tracer.render import camera_wave
+from reference_tracer.camera_rays import camera_wave
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
 from reference_tracer.wavefront import trace

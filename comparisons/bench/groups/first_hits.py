@@ -11,7 +11,7 @@ from reference_tracer.camera_rays import camera_wave
 from reference_tracer.world import World
 
 from ..contestants import SINGLE, THREADS
-from ..options import Options
+from ..options import Options, picture
 from ..results import Row
 from ..timing import Contestant, row, take_turns, timed
 
@@ -37,8 +37,9 @@ def measure(case: str, options: Options) -> list[Row]:
 
     measured = take_turns([Contestant(method, lambda method=method: timed(lambda: find(method))) for method in METHODS],
                           options.turns, options.budget)
-    return [row(f"{NAME}/{case}/{method}", f"{BASE} at step size {STEP_SIZE:g} / {method}", measured, BASE, method, None,
-                options.clock, note=_wrong(hits[method], hits[TRUTH])) for method in METHODS if method != BASE]
+    return [row(f"{NAME}/{case}/{method}", f"{BASE} at step size {STEP_SIZE:g} / {method}", measured, BASE, method,
+                None, options.clock, picture=picture(scene), note=_wrong(hits[method], hits[TRUTH]))
+            for method in METHODS if method != BASE]
 
 
 def _wrong(hit, truth) -> str:
