@@ -34,7 +34,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = Options(chosen.turns, chosen.size, chosen.clock, chosen.budget, chosen.quick)
     before = accepted.read(accepted.FILE) if accepted.FILE.exists() else None
     print(table.HEAD)
-    bench = suite.run(groups.find(chosen.only), options, chosen.scenes, tell=lambda row: print(table.line(row), flush=True))
+    bench = suite.run(groups.find(chosen.only), options, chosen.scenes,
+                      tell=lambda row: print(table.line(row), flush=True))
     partial = bool(chosen.only or chosen.scenes or chosen.size or chosen.quick)
     output = chosen.output or (None if partial else Path("results") / FILE)
     if output:

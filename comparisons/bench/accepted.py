@@ -20,6 +20,7 @@ class Reached(Record):
     """The medians of both clocks; `value` alone where a row is no time."""
 
     unit: str
+    picture: str
     wall: float | None = None
     cpu: float | None = None
     value: float | None = None
@@ -49,18 +50,24 @@ def read(path: Path) -> Accepted:
 def write(bench: Bench, earlier: Accepted | None, path: Path) -> Path:
     """Accepts the rows of `bench`; rows of `earlier` that were not measured now stay."""
     rows = dict(earlier.rows) if earlier else {}
-    rows |= {row.key: Reached(unit=row.unit, wall=row.wall and row.wall.median, cpu=row.cpu and row.cpu.median,
-                              value=None if row.clock else row.value)
-             for row in bench.rows if row.value is not None}
+    rows |= {row.key: _reached(row) for row in bench.rows if row.value is not None}
     return document.write(Accepted(created=bench.created, machine=bench.machine, rows=dict(sorted(rows.items()))), path)
 
 
+def _reached(row: Row) -> Reached:
+    return Reached(unit=row.unit, picture=row.picture, wall=row.wall and row.wall.median,
+                   cpu=row.cpu and row.cpu.median, value=None if row.clock else row.value)
+
+
 def falls(bench: Bench, accepted: Accepted) -> list[Fall]:
-    """Rows that fell below their share of what was accepted. Seconds are compared on the same processor only."""
+    """Rows that fell below their share of what was accepted.
+
+    Only pictures of one size are compared, and seconds on the same processor only.
+    """
     found = []
     for row in bench.rows:
         before = accepted.rows.get(row.key)
-        if before is None or row.value is None:
+        if before is None or row.value is None or row.picture != before.picture:
             continue
         if row.unit == "s" and accepted.machine.processor != bench.machine.processor:
             continue

@@ -30,3 +30,10 @@ class Options:
         most = most_rays / 4 if self.quick else most_rays
         scale = min(1.0, math.sqrt(most / (width * height)) / scene.tracing.samples)
         return scene.resized(max(1, round(scale * width)), max(1, round(scale * height)))
+
+
+def picture(scene: Scene) -> str:
+    """The size of the scene's picture in words."""
+    samples = scene.tracing.samples
+    return (f"{scene.camera.width} x {scene.camera.height}"
+            + (f", {samples} x {samples} samples" if samples > 1 else ""))

@@ -26,7 +26,7 @@ class Seconds(Record):
 
     wall: float
     cpu: float = Field(description="of all its threads together")
-    first: float | None = Field(None, description="wall time of the first run, compilation included, apart from the others")
+    first: float | None = Field(None, description="wall time of the run before the turns, in which kernels compile")
 
 
 class Row(Record):
@@ -45,6 +45,7 @@ class Row(Record):
     turns: int = 0
     others: float | None = Field(None, description="cores that other programs of the machine kept busy meanwhile")
     seconds: dict[str, Seconds] = {}
+    picture: str = Field("", description="size of the pictures: ratios of other sizes are other ratios")
     note: str = ""
     state: State = "ok"
     message: str = ""

@@ -19,8 +19,9 @@ def line(row: Row) -> str:
     seconds = ", ".join(f"{name} {s.wall:.3g}" for name, s in row.seconds.items())
     others = "" if row.others is None else f"{row.others:.2f}"
     clock = "" if row.clock is None else f" by {row.clock}"
+    remarks = "; ".join(filter(None, (seconds + clock, row.picture, row.note)))
     return (f"{row.key:<50}{_short(row.value) + ' ' + row.unit:>9}  {bar:>9}  {mark:5} {_spread(row.wall):<26}"
-            f"{_spread(row.cpu):<26}{row.turns:>5}{others:>7}  {seconds}{clock}")
+            f"{_spread(row.cpu):<26}{row.turns:>5}{others:>7}  {remarks}")
 
 
 def summary(bench: Bench, falls: list[Fall], output: Path | None) -> str:

@@ -49,8 +49,9 @@ class Measured:
                        for a, b in zip(self.costs[slow], self.costs[fast])])
 
     def seconds(self) -> dict[str, Seconds]:
-        return {name: Seconds(wall=statistics.median(c.wall for c in costs), cpu=statistics.median(c.cpu for c in costs),
-                              first=self.first.get(name)) for name, costs in self.costs.items()}
+        return {name: Seconds(wall=statistics.median(c.wall for c in costs),
+                              cpu=statistics.median(c.cpu for c in costs), first=self.first.get(name))
+                for name, costs in self.costs.items()}
 
 
 def spread(values: list[float]) -> Spread:

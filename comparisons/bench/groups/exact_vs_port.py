@@ -5,7 +5,7 @@ from __future__ import annotations
 from reference_tracer.scene import library
 
 from ..contestants import cpp_port, tracer
-from ..options import Options
+from ..options import Options, picture
 from ..results import Row
 from ..timing import row, take_turns
 
@@ -20,4 +20,4 @@ def measure(case: str, options: Options) -> list[Row]:
     measured = take_turns([tracer("exact", scene, "exact"),
                            cpp_port("C++ port", scene.traced_with(step_size=STEP_SIZE))], options.turns, options.budget)
     return [row(f"{NAME}/{case}", f"C++ port at step size {STEP_SIZE:g} / exact", measured, "C++ port", "exact", BAR,
-                options.clock, note=f"{scene.camera.width} x {scene.camera.height}")]
+                options.clock, picture=picture(scene))]

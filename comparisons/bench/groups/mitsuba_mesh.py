@@ -10,7 +10,7 @@ from reference_tracer.scene.model import Scene
 
 from ...renderers import render as render_with
 from ..contestants import SINGLE, tracer
-from ..options import Options
+from ..options import Options, picture
 from ..results import Row
 from ..timing import Contestant, Cost, row, take_turns, timed
 
@@ -34,12 +34,12 @@ def measure(case: str, options: Options) -> list[Row]:
         return cost
 
     measured = take_turns([tracer("exact", scene, "exact"), Contestant("Mitsuba", mesh)], options.turns, options.budget)
-    note = f"{scene.camera.width} x {scene.camera.height}, resolution {resolution}: {wrong} wrong pixels"
-    whole = row(f"{NAME}/{case}/build-and-trace", "Mitsuba, mesh built and traced / exact", measured, "Mitsuba", "exact",
-                WHOLE_BAR, options.clock, note=note)
+    note = f"resolution {resolution}: {wrong} wrong pixels"
+    whole = row(f"{NAME}/{case}/build-and-trace", "Mitsuba, mesh built and traced / exact", measured, "Mitsuba",
+                "exact", WHOLE_BAR, options.clock, picture=picture(scene), note=note)
     measured.costs["Mitsuba"] = [Cost(seconds, seconds) for seconds in tracing[1:]]  # the first one compiled
     alone = row(f"{NAME}/{case}/trace", "Mitsuba, tracing alone / exact", measured, "Mitsuba", "exact", TRACING_BAR,
-                "wall", note=note)
+                "wall", picture=picture(scene), note=note)
     return [whole, alone.model_copy(update={"cpu": None})]
 
 

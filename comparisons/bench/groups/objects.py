@@ -27,12 +27,12 @@ def measure(case: str, options: Options) -> list[Row]:
                               options.turns, options.budget)
         rows.append(row(f"{NAME}/{method}", f"{MANY} spheres / {FEW} spheres, {method}", measured, f"{MANY} spheres",
                         f"{FEW} spheres", BAR if method == "exact" else None, options.clock, sense="<=",
-                        note=f"{size[0]} x {size[1]}, mirrors above a floor"))
+                        picture=f"{size[0]} x {size[1]}", note="mirrors above a floor"))
     return rows
 
 
 def spheres(count: int, width: int, height: int) -> Scene:
-    """`count` mirroring balls in rows above a floor, of a radius that keeps their area in the picture about the same."""
+    """`count` mirroring balls in rows above a floor, whose area in the picture is about the same for any count."""
     columns = round(math.sqrt(count * 2))
     spacing = 6 / columns
     rows = math.ceil(count / columns)

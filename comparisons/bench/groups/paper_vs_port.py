@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..contestants import RICH, SINGLE, cpp_port, tracer
-from ..options import Options
+from ..options import Options, picture
 from ..results import Row
 from ..timing import row, take_turns
 
@@ -18,4 +18,4 @@ def measure(case: str, options: Options) -> list[Row]:
     measured = take_turns([tracer("paper", scene, "paper"), cpp_port("C++ port", scene)], options.turns, options.budget)
     return [row(f"{NAME}/{case}", "C++ port / paper, same step size", measured, "C++ port", "paper",
                 RICH_BAR if case in RICH else SINGLE_BAR, options.clock,
-                note=f"{scene.camera.width} x {scene.camera.height}, step size {scene.tracing.step_size:g}")]
+                picture=picture(scene), note=f"step size {scene.tracing.step_size:g}")]

@@ -1,4 +1,4 @@
-"""POV-Ray's isosurface, the established tracer of f(x, y, z) = 0, against exact first hits: pictures of single surfaces.
+"""POV-Ray's isosurface, the established tracer of f(x, y, z) = 0, against exact first hits on single surfaces.
 
 POV-Ray's process takes most of a second to start; the processor time of tracing alone is compared.
 """
@@ -6,7 +6,7 @@ POV-Ray's process takes most of a second to start; the processor time of tracing
 from __future__ import annotations
 
 from ..contestants import SINGLE, pov_ray, tracer
-from ..options import Options
+from ..options import Options, picture
 from ..results import Row
 from ..timing import row, take_turns
 
@@ -22,4 +22,4 @@ def measure(case: str, options: Options) -> list[Row]:
                            pov_ray("POV-Ray", scene, shapes="isosurface", accuracy=ACCURACY)],
                           options.turns, options.budget)
     return [row(f"{NAME}/{case}", f"POV-Ray isosurface of accuracy {ACCURACY:g} / exact", measured, "POV-Ray", "exact",
-                BAR, "cpu", note=f"{scene.camera.width} x {scene.camera.height}")]
+                BAR, "cpu", picture=picture(scene))]

@@ -8,7 +8,7 @@ from __future__ import annotations
 from reference_tracer.scene import library
 
 from ..contestants import pov_ray, tracer
-from ..options import Options
+from ..options import Options, picture
 from ..results import Row
 from ..timing import row, take_turns
 
@@ -23,4 +23,4 @@ def measure(case: str, options: Options) -> list[Row]:
     measured = take_turns([tracer("exact", scene, "exact"), pov_ray("POV-Ray", scene, shapes="native")],
                           options.turns, options.budget)
     return [row(f"{NAME}/{case}", "POV-Ray, native primitives / exact", measured, "POV-Ray", "exact", BAR, "cpu",
-                note=f"{scene.camera.width} x {scene.camera.height}, {scene.tracing.samples} x {scene.tracing.samples} samples")]
+                picture=picture(scene))]

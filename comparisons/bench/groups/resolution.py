@@ -32,13 +32,14 @@ def measure(case: str, options: Options) -> list[Row]:
     clock = options.clock or ("wall" if measured.others < QUIET else "cpu")
     growth = {c: max(costs) / min(costs) for c in ("wall", "cpu")
               for costs in [[getattr(cost[0], c) for cost in measured.costs.values()]]}
-    note = f"{samples} x {samples} samples"
+    picture = f"{samples} x {samples} samples"
     return [
         judged(Row(key=f"{NAME}/{case}/memory", what="peak memory of a 7680 x 4320 picture", unit="GiB", bar=MEMORY_BAR,
-                   sense="<=", value=peaks[7680, 4320], turns=1, note=note)),
+                   sense="<=", value=peaks[7680, 4320], turns=1, picture=picture)),
         judged(Row(key=f"{NAME}/{case}/time", what="slowest / fastest time a pixel, 1920 x 1080 to 7680 x 4320",
                    bar=LINEAR_BAR, sense="<=", clock=clock, wall=spread([growth["wall"]]), cpu=spread([growth["cpu"]]),
-                   value=growth[clock], turns=1, others=round(measured.others, 3), seconds=measured.seconds(), note=note))]
+                   value=growth[clock], turns=1, others=round(measured.others, 3), seconds=measured.seconds(),
+                   picture=picture))]
 
 
 def _child(case: str, width: int, height: int, samples: int, count: int) -> dict:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..contestants import tracer
-from ..options import Options
+from ..options import Options, picture
 from ..results import Row
 from ..timing import row, take_turns
 
@@ -15,7 +15,7 @@ BAR = 1.85
 
 def measure(case: str, options: Options) -> list[Row]:
     scene = options.sized(case, MOST_RAYS)
-    measured = take_turns([tracer("1 thread", scene, "exact", threads=1), tracer("2 threads", scene, "exact", threads=2)],
-                          options.turns, options.budget)
+    measured = take_turns([tracer("1 thread", scene, "exact", threads=1),
+                           tracer("2 threads", scene, "exact", threads=2)], options.turns, options.budget)
     return [row(f"{NAME}/{case}", "1 thread / 2 threads, exact", measured, "1 thread", "2 threads", BAR, "wall",
-                note=f"{scene.camera.width} x {scene.camera.height}")]
+                picture=picture(scene))]

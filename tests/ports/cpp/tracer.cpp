@@ -4,8 +4,8 @@
 //   python -m converters.plain figure-17-scene1 scene.txt && ./tracer scene.txt picture.raw 2
 //
 // Written from the document (sections in brackets) and reference_tracer/DECISIONS.md (ids such as M3), independently of
-// the Python tracer, which it checks and is timed against. It reads the plain text of converters/plain.py. It writes, row
-// by row from the top and each in one block, colour (3 doubles a pixel), object (int32, -1 for none) and distance
+// the Python tracer, which it checks and is timed against. It reads the plain text of converters/plain.py. It writes,
+// rows from the top and each in one block, colour (3 doubles a pixel), object (int32, -1 for none) and distance
 // (double) of the pixel's centre, in the machine's byte order, and prints the seconds of rendering alone as JSON.
 
 #include <algorithm>
@@ -38,7 +38,7 @@ Vec cross(Vec a, Vec b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, 
 double length(Vec a) { return std::sqrt(dot(a, a)); }
 Vec normalize(Vec a) { return a * (1 / length(a)); }
 
-// --- objects [3, 7.1] -------------------------------------------------------------------------------------------------
+// --- objects [3, 7.1] ------------------------------------------------------------------------------------------------
 // f and its gradient in the surface's own frame. The normal is the gradient, but for the heart (O5).
 
 struct Surface {
@@ -232,8 +232,9 @@ struct Scene {
             double distance = length(light.position - point);
             Vec shadow_dir = (light.position - point) * (1 / distance);
             double cos = dot(shadow_dir, normal);
-            if (cos > 0)  // L2
-                illumination = illumination + light.brightness * (cos * light_through(point, shadow_dir, distance, sides));
+            if (!(cos > 0)) continue;  // L2
+            double intensity = light_through(point, shadow_dir, distance, sides);
+            illumination = illumination + light.brightness * (cos * intensity);
         }
         Vec visible = object.color * illumination;
 
@@ -261,7 +262,7 @@ struct Scene {
     }
 };
 
-// --- the picture [2, 5, 6] ----------------------------------------------------------------------------------------------
+// --- the picture [2, 5, 6] -------------------------------------------------------------------------------------------
 
 struct Picture {
     std::vector<Vec> color;
@@ -293,8 +294,10 @@ void render_row(const Scene& scene, const Camera& camera, const Sides& sides, in
         Vec sum;
         if (n == 1) sum = scene.shade(scene.position, d, sides, centre, 0);
         for (int i = 0; i < n && n > 1; i++)  // sub-pixel centres, plain mean (C2)
-            for (int j = 0; j < n; j++)
-                sum = sum + scene.trace(scene.position, camera.ray(scene, row + (i + 0.5) / n, col + (j + 0.5) / n), sides, 0);
+            for (int j = 0; j < n; j++) {
+                Vec sample = camera.ray(scene, row + (i + 0.5) / n, col + (j + 0.5) / n);
+                sum = sum + scene.trace(scene.position, sample, sides, 0);
+            }
         size_t pixel = static_cast<size_t>(row) * scene.width + col;
         picture.color[pixel] = sum * (1.0 / (n * n));
         picture.index[pixel] = centre.index;
@@ -317,7 +320,7 @@ Picture render(const Scene& scene, int threads) {
     return picture;
 }
 
-// --- files --------------------------------------------------------------------------------------------------------------
+// --- files -----------------------------------------------------------------------------------------------------------
 
 std::istream& operator>>(std::istream& in, Vec& v) { return in >> v.x >> v.y >> v.z; }
 
@@ -342,7 +345,8 @@ Scene read_scene(const std::string& path) {
         if (key == "camera") {
             in >> scene.position >> scene.direction >> scene.up >> scene.fov >> scene.width >> scene.height;
         } else if (key == "tracing") {
-            in >> scene.step_size >> scene.tolerance >> scene.max_iterations >> scene.max_distance >> scene.max_depth >> scene.samples;
+            in >> scene.step_size >> scene.tolerance >> scene.max_iterations;
+            in >> scene.max_distance >> scene.max_depth >> scene.samples;
         } else if (key == "background") {
             in >> scene.background;
         } else if (key == "light") {
@@ -385,7 +389,8 @@ int main(int argc, char** argv) try {
     write_block(file, picture.index);
     write_block(file, picture.t);
     if (!file) throw std::runtime_error(std::string(argv[2]) + " cannot be written");
-    std::cout << "{\"seconds\": " << seconds.count() << ", \"cpu_seconds\": " << cpu_seconds << ", \"threads\": " << threads << "}\n";
+    std::cout << "{\"seconds\": " << seconds.count() << ", \"cpu_seconds\": " << cpu_seconds
+              << ", \"threads\": " << threads << "}\n";
 } catch (const std::exception& error) {
     std::cerr << "tracer: " << error.what() << "\n";
     return 1;
