@@ -42,7 +42,8 @@ def render(scene: Scene, *, resolution: int = 256) -> Picture:
         "measured_mesh_error": max((solid.error for _, solid in solids), default=0.0),
         "clipped": "; ".join(f"object {k}: {solid.clipped}" for k, solid in solids if solid.clipped),
         "rays": rays, "undecided pixels": int(np.sum(picture.status == UNDECIDED)),
-        "build": converted.seconds, "first": seconds, "warm": seconds, "cpu": cpu}  # nothing is compiled: the first is a warm one
+        # nothing is compiled: the first is a warm one
+        "build": converted.seconds, "first": seconds, "warm": seconds, "cpu": cpu}
     return picture
 
 
