@@ -24,8 +24,7 @@ NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by
                    depth_p99=5e-6, color_p99=5e-6, failing_share=2e-3, clustered_share=1e-4, mismatch_share=2e-3)
 MESH = Tolerance("meshes", "surfaces replaced by triangles, error falling with the square of the resolution",
                  depth_p99=1e-4, color_p99=1e-3, failing_share=1e-2, clustered_share=1e-3, mismatch_share=5e-3)
-
-GRID = Tolerance("grids", "surfaces replaced by trilinear interpolations of f, error falling with the square of the cells",
+GRID = Tolerance("grids", "f replaced by its trilinear interpolation, error falling with the square of the cells",
                  depth_p99=3e-4, color_p99=1e-2, failing_share=3e-2, clustered_share=2e-3, mismatch_share=5e-3)
 TRACERS = Tolerance("two tracers of one mesh", "the triangles are the same; what is left is single precision",
                     depth_p99=1e-6, color_p99=5e-5, failing_share=1e-3, clustered_share=1e-4, mismatch_share=1e-3)

@@ -25,7 +25,7 @@ def interior(planes: Planes) -> np.ndarray:
         ray = position - planes["camera"]
         cosine = np.abs(np.sum(ray * normal, axis=-1)) / np.linalg.norm(ray, axis=-1)
         steep = ~(cosine <= GRAZING) | (index < 0)
-    return _everywhere_around(steep) & _uniform_around(index)
+    return _everywhere_around(steep) & uniform_around(index)
 
 
 def _shifted(plane: np.ndarray):
@@ -44,7 +44,8 @@ def _everywhere_around(mask: np.ndarray) -> np.ndarray:
     return np.logical_and.reduce(list(_shifted(mask)))
 
 
-def _uniform_around(plane: np.ndarray) -> np.ndarray:
+def uniform_around(plane: np.ndarray) -> np.ndarray:
+    """Pixels whose 3 x 3 neighbourhood has one value. (h, w)"""
     return np.logical_and.reduce([neighbour == plane for neighbour in _shifted(plane)])
 
 

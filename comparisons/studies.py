@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,11 +10,14 @@ import numpy as np
 
 from reference_tracer.scene.model import Scene
 
-from . import metrics
+from . import history, metrics, renderers
+from .metrics import Planes
 from .results import Run, Series
 from .runs import Request, RunStore
 
-RESOLUTIONS = (32, 64, 128, 256)
+CURVED, MIRRORED = ("figure-05-sphere", "figure-07-torus", "figure-09-heart"), ("figure-reflection",)
+MESH_RESOLUTIONS = (64, 128, 256, 512)
+GRID_RESOLUTIONS = (32, 64, 128)
 STEP_SIZES = (0.4, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.001)
 DOCUMENT_STEP, FINE_STEP = 0.1, 0.001
 NONE = 0.5  # stands for "no pixel" on a logarithmic axis
@@ -30,41 +33,76 @@ class Study(Protocol):
 
 def planned(scenes: Sequence[Scene]) -> list[Study]:
     """The studies that the compared scenes allow."""
-    curved = [s for s in scenes if s.name in ("figure-05-sphere", "figure-07-torus", "figure-09-heart")]
-    return [MeshLadder(curved), StepLadder(curved)] if curved else []
+    curved = [s for s in scenes if s.name in CURVED]
+    return [*ladders(scenes), StepLadder(curved)] if curved else []
 
 
 @dataclass
-class MeshLadder:
-    """Depth error of meshes against their resolution: marching cubes with projected vertices errs by O(h^2)."""
+class ResolutionLadder:
+    """An error of Mitsuba against the cells along an object's longest side: meshes and grids err by O(h^2)."""
 
+    id: str
+    title: str
+    y_label: str
+    renderer: str
+    resolutions: tuple[int, ...]
     scenes: list[Scene]
+    error: Callable[[Scene, Planes, Planes], float | None]  # of a scene, the reference's planes, the renderer's
+    band: tuple[float, float] = (-2.4, -1.6)  # where the slope must lie
 
     def requests(self):
         return [Request(s, "exact") for s in self.scenes] + [self._request(s, n) for s in self.scenes
-                                                             for n in RESOLUTIONS]
+                                                             for n in self.resolutions]
 
-    @staticmethod
-    def _request(scene: Scene, resolution: int) -> Request:
-        return Request(scene, "mitsuba-mesh", {} if resolution == 256 else {"resolution": resolution})
+    def _request(self, scene: Scene, resolution: int) -> Request:
+        usual = renderers.find(self.renderer).settings["resolution"]
+        return Request(scene, self.renderer, {} if resolution == usual else {"resolution": resolution, "repeat": False})
 
     def series(self, runs, store):
         lines = {}
         for scene in self.scenes:
+            truth = runs[Request(scene, "exact").key]
             points = []
-            for n in RESOLUTIONS:
-                truth, test = runs[Request(scene, "exact").key], runs[self._request(scene, n).key]
+            for n in self.resolutions:
+                test = runs[self._request(scene, n).key]
                 if truth.state == test.state == "ok":
-                    error = metrics.geometry(store.planes(truth, scene), store.planes(test, scene))["depth p99"]
-                    points.append((float(n), error))
+                    points.append((float(n), self.error(scene, store.planes(truth, scene), store.planes(test, scene))))
             lines[scene.title] = [p for p in points if p[1]]
         slopes = _slopes(lines)
-        holds = len(slopes) == len(self.scenes) and all(-2.4 <= s <= -1.6 for s in slopes.values())
-        return Series(id="mesh-ladder", title="Depth error of meshes", x_label="cells along the longest side",
-                      y_label="relative depth error, 99th percentile, away from silhouettes", lines=lines,
-                      expected="The error of a triangle mesh falls with the square of its cell size: slope -2.",
-                      slope=slopes, holds=holds, command="raytruth compare figure-05-sphere figure-07-torus "
-                                                         "figure-09-heart --renderers mitsuba-mesh")
+        holds = len(slopes) == len(self.scenes) and all(self.band[0] <= s <= self.band[1] for s in slopes.values())
+        return Series(id=self.id, title=self.title, x_label="cells along the longest side", y_label=self.y_label,
+                      lines=lines, expected="The error of a surface in pieces falls with the square of their size: "
+                                            "slope -2.",
+                      slope=slopes, holds=holds,
+                      command=f"raytruth compare {' '.join(s.name for s in self.scenes)} --renderers {self.renderer}")
+
+
+def _geometric(name: str) -> Callable[[Scene, Planes, Planes], float | None]:
+    return lambda scene, truth, test: metrics.geometry(truth, test)[name]
+
+
+def _smooth_color(scene: Scene, truth: Planes, test: Planes) -> float | None:
+    """The 99th percentile of the colour's error where no ray of the pixel's history is near an edge."""
+    error = metrics.pixel_error(truth["color"], test["color"])[history.smooth(scene, truth)]
+    return float(np.quantile(error, 0.99)) if error.size else None
+
+
+def ladders(scenes: Sequence[Scene]) -> list[ResolutionLadder]:
+    """Geometry of meshes and of grids on single surfaces; colours of meshes also where mirrors and shadows are."""
+    curved = [s for s in scenes if s.name in CURVED]
+    shaded = curved + [s for s in scenes if s.name in MIRRORED]
+    away = "99th percentile, away from silhouettes"
+    return [
+        ResolutionLadder("mesh-ladder", "Depth error of meshes", f"relative depth error, {away}", "mitsuba-mesh",
+                         MESH_RESOLUTIONS, curved, _geometric("depth p99")),
+        ResolutionLadder("mesh-normals", "Normals of meshes", f"angle in degrees, {away}", "mitsuba-mesh",
+                         MESH_RESOLUTIONS, curved, _geometric("normal p99 degrees")),
+        ResolutionLadder("mesh-colors", "Colours of meshes", "colour error, 99th percentile, away from silhouettes, "
+                         "those in mirrors too, and from shadows", "mitsuba-mesh", MESH_RESOLUTIONS, shaded, _smooth_color),
+        ResolutionLadder("grid-ladder", "Depth error of grids", f"relative depth error, {away}", "mitsuba-sdfgrid",
+                         GRID_RESOLUTIONS, curved, _geometric("depth p99")),
+        ResolutionLadder("grid-normals", "Normals of grids", f"angle in degrees, {away}", "mitsuba-sdfgrid",
+                         GRID_RESOLUTIONS, curved, _geometric("normal p99 degrees"))] if curved else []
 
 
 @dataclass
