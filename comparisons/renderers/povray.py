@@ -39,9 +39,16 @@ def render(scene: Scene, *, shapes: str = "native", accuracy: float = 1e-8, plan
     status = np.where(geometry["index"] >= 0, HIT, MISS).astype(np.uint8)
     depth = np.zeros((camera.height, camera.width), np.uint8)
     metadata = {"scene": scene.name, "scene_hash": scene.hash, "renderer": "povray", "shapes": shapes,
-                "accuracy": accuracy, "isosurfaces": len(converted.containers), "brightest": converted.brightest, "not proven": converted.remark,
+                "accuracy": accuracy, "isosurfaces": len(converted.containers), "brightest": converted.brightest,
+                "precision": _precision(converted), "not proven": converted.remark,
                 "build": build, "warm": None, **facts}
     return Picture(color=picture, depth=depth, status=status, scene=scene, metadata=metadata, **geometry)
+
+
+def _precision(converted: Conversion) -> int:
+    """The bits of the numbers that rays go by: indices of refraction are fp32, and isosurfaces not much better."""
+    bent = any(o.material.transparency and o.material.refractive_index != 1 for o in converted.scene.objects)
+    return 32 if bent or converted.containers else 64
 
 
 class _Shooting:

@@ -1,9 +1,9 @@
 """Where POV-Ray's rays end, and so how large a scene has to be: a ray of the document ends at max_distance (M5).
 
-POV-Ray forgets whatever a native shape meets farther than 1e7 from a ray's origin, and anything at all farther than
-2e10; both are fixed numbers of its source. A scene magnified so that its max_distance is that number therefore ends
-each ray anew where the document does. Its absolute tolerances (1e-4 for a ray's own surface, 1e-3 for shadows) shrink
-below 1e-9 of the scene at the same time.
+POV-Ray forgets whatever a native shape meets farther than 1e7 from a ray's origin, a fixed number of its source. A scene
+magnified so that its max_distance is that number therefore ends each ray anew where the document does. POV-Ray's absolute
+tolerances (1e-4 for a ray's own surface, 1e-3 for shadows) shrink below 1e-9 of the scene at the same time. Isosurfaces
+end at 2e10 only: those that reach farther than max_distance from the camera are clipped, or remarked upon.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from reference_tracer.surfaces import Plane
 
 from .cells import holds_everywhere, no_part_of
 
-NATIVE_END, ISOSURFACE_END = 1e7, 2e10  # POV-Ray's MAX_DISTANCE and BOUND_HUGE
+END = 1e7  # POV-Ray's MAX_DISTANCE
 
 
 def origins(scene: Scene) -> np.ndarray | None:

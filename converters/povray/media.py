@@ -8,8 +8,6 @@ that the two are apart; where it proves neither, the scene is refused.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from converters.mesh.placed import Placed, corners
@@ -42,7 +40,22 @@ def refractive_indices(scene: Scene) -> list[float]:
     around_camera = [k for k in clear if is_inside(scene.objects[k], scene.camera.position)]
     if len(around_camera) > 1 and any(indices[k] != 1 for k in around_camera):
         raise UnsupportedError("the camera is within two transparent objects, whose order POV-Ray does not know")
-    return [math.prod([indices[k], *(indices[b] for b in holds.get(k, ()))]) for k in range(len(indices))]
+    return _single_precision(indices, holds)
+
+
+def _single_precision(indices: list[float], holds: dict[int, list[int]]) -> list[float]:
+    """The products of the indices of nested objects, as POV-Ray keeps them: in fp32.
+
+    Where two media would be equal, POV-Ray does not count the ray between them as one of the next generation (D1): a
+    last digit more makes it do so.
+    """
+    depth = lambda k: len(holds.get(k, ()))
+    found = {}
+    for k in sorted(range(len(indices)), key=depth):
+        outside = found[max(holds[k], key=depth)] if k in holds else np.float32(1)
+        own = np.float32(outside * indices[k])
+        found[k] = own if own != outside else np.nextafter(own, np.float32(np.inf))
+    return [float(found[k]) for k in range(len(indices))]
 
 
 def _name(scene: Scene, k: int) -> str:
@@ -65,7 +78,7 @@ def _relation(scene: Scene, a: Object, b: Object) -> str:
 
 
 def _is_compact(obj: Object) -> bool:
-    return obj.surface.box() is not None and obj.surface.inside == "negative"
+    return obj.surface.box() is not None
 
 
 def _domain(scene: Scene, obj: Object) -> np.ndarray:

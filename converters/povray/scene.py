@@ -12,10 +12,11 @@ from converters.mesh.placed import Placed
 from converters.mesh.reach import reach_in_frame
 from reference_tracer.camera import frame
 from reference_tracer.errors import InputError, UnsupportedError
+from reference_tracer.placement import is_inside
 from reference_tracer.scene.model import Object, Scene
 
 from . import materials, passes, shapes
-from .distance import ISOSURFACE_END, NATIVE_END, far_shadows, origins, within_distance
+from .distance import END, far_shadows, origins, within_distance
 from .gradient import max_gradient
 from .media import refractive_indices
 from .text import DECLARED
@@ -35,19 +36,19 @@ class Conversion:
     """A scene bound to its conversion: `text` writes it, as often as asked, with whatever is to be shown."""
 
     scene: Scene
-    end: float  # how far POV-Ray's rays reach; the scene is magnified by end / max_distance
     brightest: float  # lights and background are divided by it, because POV-Ray's pictures end at 1
     indices: list[float]  # the refractive indices that POV-Ray needs
     containers: dict[int, np.ndarray]  # (2, 3) for every object that is an isosurface, in its own frame
     gradients: dict[int, float]  # its max_gradient
     proven: frozenset[int]  # those whose max_gradient is one for sure
     accuracy: float
+    only_camera: bool  # whether no rays but the camera's look for hits
     remark: str  # what is not proven to be expressed, in a few words; "" if nothing
     needs_share: bool  # whether the background has to be added to the picture: 1 - share of it
 
     @property
     def scale(self) -> float:
-        return self.end / self.scene.tracing.max_distance
+        return END / self.scene.tracing.max_distance
 
     def text(self, shown: str = "color") -> str:
         """The scene in SDL. `shown` is one of SHOWN; "share" is the weight of objects' own colours in a pixel."""
@@ -57,7 +58,7 @@ class Conversion:
         lines = [HEAD.format(level=self.scene.tracing.max_depth + 1 if through else 1), DECLARED, self._camera(),
                  self._background(shown)]
         if shown == "distance":
-            lines.append(passes.declare_distance(self.scale * np.array(self.scene.camera.position), self.end))
+            lines.append(passes.declare_distance(self.scale * np.array(self.scene.camera.position), END))
         if shown == "color":
             lines += self._lights()
         for k, obj in enumerate(self.scene.objects):
@@ -84,9 +85,11 @@ class Conversion:
 
     def _parts(self, k: int, obj: Object, shown: str) -> list[tuple[str, str]]:
         """The shapes and materials that stand for object `k`; a part that casts no shadow has a twin that does."""
-        whole, seen = self._shapes(k, obj)
-        if whole is None:
+        shape, seen = self._shapes(k, obj)
+        if shape is None:
             return []
+        # a twin that holds the camera would be taken for a medium around it
+        shadow = f"{shape} inverse" if is_inside(obj, self.scene.camera.position) else shape
         match shown:
             case "object":
                 return [(seen, passes.object_number(k))]
@@ -96,24 +99,27 @@ class Conversion:
                 return [(seen, passes.NORMAL)]
         own, m = materials.LIT if shown == "color" else materials.GLOWING, obj.material
         if m.transparency:
-            return [(seen, materials.body(m, self.indices[k], own)), (whole, materials.twin(m))]
-        if seen != whole:
-            return [(seen, f"{materials.opaque(m, own)} no_shadow"), (whole, materials.twin(m))]
+            return [(seen, materials.body(m, self.indices[k], own)), (shadow, materials.twin(m))]
+        if self._is_clipped(k):
+            return [(seen, f"{materials.opaque(m, own)} no_shadow"), (shadow, materials.twin(m))]
         return [(seen, materials.opaque(m, own))]
 
     def _shapes(self, k: int, obj: Object) -> tuple[str | None, str | None]:
         """The whole shape of object `k`, and what rays that look for a hit may see of it; None where that is nothing."""
-        inverse = " inverse" if obj.surface.inside == "positive" else ""
         if k not in self.containers:
-            whole = shapes.native(obj, self.scale) + inverse
+            whole = shapes.native(obj, self.scale)
             return whole, whole
         if self.containers[k] is None:
             return None, None
-        whole = shapes.isosurface(obj, self.scale, self.containers[k], self.accuracy, self.gradients[k]) + inverse
-        if self.end == ISOSURFACE_END or within_distance(self.scene, obj):
-            return whole, whole
+        clipped = self._is_clipped(k)
+        whole = shapes.isosurface(obj, self.scale, self.containers[k], self.accuracy, self.gradients[k],
+                                  every_root=clipped or obj.material.transparency > 0)
         eye = vector(self.scale * np.array(self.scene.camera.position))
-        return whole, f"{whole} clipped_by {{ sphere {{ {eye}, {number(self.end)} }} }}"
+        return whole, f"{whole} clipped_by {{ sphere {{ {eye}, {number(END)} }} }}" if clipped else whole
+
+    def _is_clipped(self, k: int) -> bool:
+        """Whether object `k` is an isosurface to be cut where the camera's rays end: then there are no other rays."""
+        return k in self.containers and self.only_camera and not within_distance(self.scene, self.scene.objects[k])
 
 
 def object_of(line: str) -> int | None:
@@ -133,30 +139,50 @@ def convert(scene: Scene, shapes: str = "native", accuracy: float = ACCURACY) ->
     if not 1e-12 <= accuracy <= 1:
         raise InputError(f"the accuracy of isosurfaces must lie between 1e-12 and 1; found {accuracy}")
     _require_expressible(scene)
-    only = shapes == "isosurface"
-    as_isosurface = [k for k, o in enumerate(scene.objects) if only or not _has_native(o)]
+    scene = scene.model_copy(update={"objects": tuple(map(_outward, scene.objects))})
     starts = origins(scene)
-    from_camera_only = starts is not None and np.all(starts[0] == starts[1])
-    far = [k for k in as_isosurface if not from_camera_only and not within_distance(scene, scene.objects[k])]
-    if far and not only:
-        name = scene.objects[far[0]].name or scene.objects[far[0]].surface.type
-        raise UnsupportedError(f"{name} is an isosurface that rays may meet beyond max_distance, where POV-Ray does not "
-                               "end those; povray-isosurface can show the scene")
-    end = ISOSURFACE_END if far else NATIVE_END
+    from_camera_only = starts is not None and bool(np.all(starts[0] == starts[1]))
+    as_isosurface = []
+    for k, obj in enumerate(scene.objects):
+        bounded = obj.surface.box() is not None
+        if shapes == "native" or not (bounded or from_camera_only):  # beyond max_distance only native ones end
+            if _has_native(obj):
+                continue
+            if not (bounded or from_camera_only):
+                raise UnsupportedError(f"{_name(obj)} is an unbounded isosurface, which POV-Ray cannot end at max_distance "
+                                       "for reflected and refracted rays; give it bounds")
+        as_isosurface.append(k)
     containers = {k: _container(scene, scene.objects[k]) for k in as_isosurface}
     gradients = {k: max_gradient(Placed(scene.objects[k]), box) for k, box in containers.items() if box is not None}
     proven = frozenset(k for k, (_, is_proof) in gradients.items() if is_proof)
     brightest = max(*(sum(light.brightness[c] for light in scene.lights) for c in range(3)), *scene.background) or 1.0
     goes_on = any(o.material.reflection or o.material.transparency for o in scene.objects)
-    return Conversion(scene, end, brightest, refractive_indices(scene), containers,
+    remarks = [far_shadows(scene)]
+    if not from_camera_only:
+        remarks += [f"{_name(scene.objects[k])} may be seen from farther than max_distance" for k in as_isosurface
+                    if not within_distance(scene, scene.objects[k])]
+    return Conversion(scene, brightest, refractive_indices(scene), containers,
                       {k: value for k, (value, _) in gradients.items()}, proven, accuracy,
-                      remark=far_shadows(scene) if end == NATIVE_END else "",
+                      only_camera=from_camera_only, remark="; ".join(filter(None, remarks)),
                       needs_share=goes_on and any(scene.background))
 
 
 def scene_text(scene: Scene, shown: str = "color", **options) -> str:
     """`scene` in SDL; for the options see `convert`, for `shown` see `Conversion.text`."""
     return convert(scene, **options).text(shown)
+
+
+def _outward(obj: Object) -> Object:
+    """The same object with its inside where f is negative: glass around a hollow is a ball of index 1 / n in the hollow."""
+    if obj.surface.inside == "negative":
+        return obj
+    index = 1 / obj.material.refractive_index
+    return obj.model_copy(update={"surface": obj.surface.model_copy(update={"inside": "negative"}),
+                                  "material": obj.material.model_copy(update={"refractive_index": index})})
+
+
+def _name(obj: Object) -> str:
+    return obj.name or obj.surface.type
 
 
 def _has_native(obj: Object) -> bool:
