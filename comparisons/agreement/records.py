@@ -101,6 +101,6 @@ def write(matrix: Matrix, folder: Path) -> Path:
     return document.write(matrix, folder / FILE)
 
 
-def read(path: Path) -> Matrix:
-    """The matrix in the file `path`. Raises InputError in one line."""
-    return document.read(path, Matrix, "raytruth compare")
+def read(folder: Path) -> Matrix:
+    """The matrix in `folder`. Raises InputError in one line."""
+    return document.read(folder / FILE, Matrix, "raytruth compare")

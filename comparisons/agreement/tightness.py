@@ -18,76 +18,96 @@ from .pairs import Pictures, measured
 from .records import Tightness
 
 TRUTH = "exact"
-ALWAYS = {"not finite", "interior mismatches"}  # limits of zero: nothing can be tighter
+ALWAYS = {"not finite", "interior mismatches"}  # limits of zero under every tolerance
+OWN_OFFSET = {"offset": 9e-5}  # of Mitsuba's own rays from the surface they leave, relative to 1 + its coordinates
 
 
 @dataclass(frozen=True)
 class Worse:
-    """The next worse setting of a renderer, held against the truth or against another renderer."""
+    """A setting that a limit must not let pass."""
+
+    words: str
+    renderer: str
+    settings: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Held:
+    """A renderer, what it is held against, and what is worse than it, next worse first."""
 
     renderer: str
-    words: str
-    settings: dict = field(default_factory=dict)
+    worse: tuple[Worse, ...]
     against: str = TRUTH
 
     def among(self, names: Sequence[str]) -> bool:
-        return {self.renderer, self.against} <= {TRUTH, *names}
+        return {self.renderer, self.against, *(w.renderer for w in self.worse)} <= {TRUTH, *names}
 
 
-OWN_OFFSET = {"offset": 9e-5}  # of Mitsuba's own rays from the surface they leave, relative to 1 + its coordinates
-NEXT_WORSE = (
-    Worse("exact", "single precision instead of double", {"precision": 32}),
-    Worse("mitsuba-native", "rays that start 9e-5 off their surface, as Mitsuba's own do, instead of 1e-6", OWN_OFFSET),
-    Worse("mitsuba-mesh", "meshes of 128 cells instead of 256", {"resolution": 128}),
-    Worse("mitsuba-mesh", "rays that start 9e-5 off their surface, as Mitsuba's own do, instead of 1e-6", OWN_OFFSET,
-          against="embree"),
+COARSE = Worse("meshes of 128 cells instead of 256", "mitsuba-mesh", {"resolution": 128})
+STARTS = "rays that start 9e-5 off their surface, as Mitsuba’s own do, instead of 1e-6"
+HELD = (
+    Held("exact", (Worse("single precision instead of double", "exact", {"precision": 32}),)),
+    Held("mitsuba-native", (Worse(STARTS, "mitsuba-native", OWN_OFFSET),
+                            Worse("meshes of 256 cells instead of exact shapes", "mitsuba-mesh"))),
+    Held("mitsuba-mesh", (COARSE,)),
+    Held("mitsuba-mesh", (Worse(STARTS, "mitsuba-mesh", OWN_OFFSET), COARSE), against="embree"),
 )
 
 
 def requests(scenes: Sequence[Scene], names: Sequence[str]) -> list[Request]:
     """The runs that the study needs beside those of the suite."""
-    return [Request(scene, worse.renderer, worse.settings) for worse in NEXT_WORSE if worse.among(names)
-            for scene in scenes]
+    return [Request(scene, worse.renderer, worse.settings) for held in HELD if held.among(names)
+            for worse in held.worse for scene in _studied(scenes)]
 
 
 def tightness(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run], store: RunStore) -> list[Tightness]:
-    """Every limit that a worse setting of a renderer in `names` tests."""
-    return [row for worse in NEXT_WORSE if worse.among(names) for row in _rows(worse, scenes, runs, store)]
+    """Every limit that something worse than a renderer in `names` tests."""
+    return [row for held in HELD if held.among(names) for row in _rows(held, _studied(scenes), runs, store)]
 
 
-def _rows(worse: Worse, scenes: Sequence[Scene], runs: dict[str, Run], store: RunStore) -> list[Tightness]:
-    """The rows of the tolerance that most scenes are held to: a scene without native shapes, say, is of another."""
-    usual, worsened = defaultdict(dict), defaultdict(dict)
+def _studied(scenes: Sequence[Scene]) -> list[Scene]:
+    """More samples only blur what a limit has to see."""
+    return [scene for scene in scenes if scene.tracing.samples == 1]
+
+
+@dataclass(frozen=True)
+class _Case:
+    scene: Scene
+    gate: Gate
+    worse: Worse | None = None
+
+    @property
+    def share(self) -> float:
+        """How much of its limit the gate's value takes up."""
+        value, limit = self.gate.value, self.gate.limit
+        return 0.0 if not value else value / limit if limit else float("inf")
+
+
+def _rows(held: Held, scenes: Sequence[Scene], runs: dict[str, Run], store: RunStore) -> list[Tightness]:
+    """The rows of the tolerance that most scenes are held to: one without native shapes, say, is held to another."""
+    usual: dict[Tolerance, dict[str, list[_Case]]] = defaultdict(lambda: defaultdict(list))
+    worsened: dict[Tolerance, dict[str, list[_Case]]] = defaultdict(lambda: defaultdict(list))
     for scene in scenes:
-        requested = (Request(scene, worse.against), Request(scene, worse.renderer),
-                     Request(scene, worse.renderer, worse.settings))
-        base, usual_run, worse_run = (runs[request.key] for request in requested)
-        if base.state == usual_run.state == worse_run.state == "ok":
-            tolerance, pictures = between(base, usual_run), Pictures(scene, store)
-            usual[tolerance][scene.name] = _gates(pictures, base, usual_run, store, tolerance)
-            worsened[tolerance][scene.name] = _gates(pictures, base, worse_run, store, tolerance)
+        base, test = (runs[Request(scene, name).key] for name in (held.against, held.renderer))
+        others = [(worse, runs[Request(scene, worse.renderer, worse.settings).key]) for worse in held.worse]
+        if any(run.state != "ok" for run in (base, test, *(run for _, run in others))):
+            continue
+        tolerance, pictures = between(base, test), Pictures(scene, store)
+        for gate in judge(measured(pictures, base, test, store), tolerance)[2]:
+            usual[tolerance][gate.name].append(_Case(scene, gate))
+        for worse, run in others:
+            for gate in judge(measured(pictures, base, run, store), tolerance)[2]:
+                worsened[tolerance][gate.name].append(_Case(scene, gate, worse))
     if not usual:
         return []
-    tolerance = max(usual, key=lambda t: len(usual[t]))
-    rows, by_name = [], {scene.name: scene for scene in scenes}
-    for name in next(iter(usual[tolerance].values())).keys() - ALWAYS:
-        (scene, gate), (worse_scene, worse_gate) = (
-            max(((s, g[name]) for s, g in gates[tolerance].items()), key=lambda item: _share(item[1]))
-            for gates in (usual, worsened))
-        rows.append(Tightness(
-            tolerance=tolerance.name, gate=name, limit=gate.limit, unit=gate.unit, scene=scene, share=_share(gate),
-            worse=worse.words, worse_scene=worse_scene, worse_share=_share(worse_gate),
-            verdict="tight" if _share(worse_gate) > 1 else "loose",
-            command=Request(by_name[worse_scene], worse.renderer, worse.settings).command))
-    return sorted(rows, key=lambda row: row.gate)
+    tolerance = max(usual, key=lambda t: len(usual[t]["not finite"]))
+    return [_row(tolerance, max(cases, key=lambda c: c.share), max(worsened[tolerance][name], key=lambda c: c.share))
+            for name, cases in usual[tolerance].items() if name not in ALWAYS]
 
 
-def _gates(pictures: Pictures, base: Run, test: Run, store: RunStore, tolerance: Tolerance) -> dict[str, Gate]:
-    return {gate.name: gate for gate in judge(measured(pictures, base, test, store), tolerance)[2]}
-
-
-def _share(gate: Gate) -> float:
-    """How much of its limit a gate's value takes up."""
-    if gate.value is None:
-        return 0.0
-    return gate.value / gate.limit if gate.limit else (0.0 if gate.value == 0 else float("inf"))
+def _row(tolerance: Tolerance, usual: _Case, worst: _Case) -> Tightness:
+    # a limit of zero cannot be tighter
+    return Tightness(tolerance=tolerance.name, gate=usual.gate.name, limit=usual.gate.limit, unit=usual.gate.unit,
+                     scene=usual.scene.name, share=usual.share, worse=worst.worse.words, worse_scene=worst.scene.name,
+                     worse_share=worst.share, verdict="tight" if worst.share > 1 or not usual.gate.limit else "loose",
+                     command=Request(worst.scene, worst.worse.renderer, worst.worse.settings).command)

@@ -49,7 +49,7 @@ def run(arguments) -> int:
         raise InputError(f"two scenes are named {twice[0]!r}; give each its own \"name\"")
     results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
                                       limit=arguments.limit, jobs=arguments.jobs, with_studies=not arguments.no_studies))
-    matrix = records.read(arguments.results / records.FILE)
+    matrix = records.read(arguments.results)
     if arguments.json:
         print(results.model_dump_json(indent=1))
     else:

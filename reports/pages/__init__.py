@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..report import Report
-from . import decisions, effects, index, plan, scenes, stability, transport
+from . import decisions, effects, evidence, index, matrix, plan, scenes, speed, stability, transport
 from .page import Page
 
-KINDS: tuple[Callable[[Report], list[Page]], ...] = (index.pages, scenes.pages, effects.pages, transport.pages,
-                                                     stability.pages, plan.pages, decisions.pages)
+KINDS: tuple[Callable[[Report], list[Page]], ...] = (index.pages, scenes.pages, matrix.pages, evidence.pages, effects.pages, transport.pages,
+                                                     stability.pages, speed.pages, plan.pages, decisions.pages)
 
 
 def all_pages(report: Report) -> list[Page]:

@@ -1,0 +1,157 @@
+"""The matrix document as heat tables: a cell is two renderers, its colour the decade of their error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import groupby
+from string import ascii_uppercase
+
+from comparisons.agreement.matrix import LITERAL
+from comparisons.agreement.records import Dissent, Matrix, Member, Pair, Place
+
+from . import scale
+from .colours import css
+from .names import slug
+from .words import STATES
+
+LIGHT = 0.5  # of the colour table: above, black is read better than white
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Two renderers: `text` is the power of ten of their error, `style` one of agree, disagree, expected, same, absent."""
+
+    text: str
+    style: str
+    colour: str = ""
+    dark: bool = False  # whether the colour asks for white letters
+    title: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    letter: str
+    name: str
+    cells: list[Cell]
+    odd: bool
+
+
+@dataclass(frozen=True)
+class Table:
+    place: Place | None  # None: all scenes
+    anchor: str
+    rows: list[Row]
+    dissent: list[Dissent]
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why renderers have no picture, with the scenes it holds for."""
+
+    renderer: str
+    word: str
+    reason: str
+    scenes: list[str]
+    fault: bool
+
+
+@dataclass(frozen=True)
+class Shown:
+    document: Matrix
+    overall: Table
+    groups: list[tuple[str, list[Table]]]
+    reasons: list[Reason]
+    agreeing: int
+
+    @property
+    def odd(self) -> list[Dissent]:
+        return [d for d in self.document.dissent if not d.expected]
+
+
+def kind(dissent: Dissent) -> str:
+    """"expected", "odd" (one renderer against a majority) or "split" (nobody can say)."""
+    return "expected" if dissent.expected else "odd" if len(dissent.renderers) == 1 else "split"
+
+
+def shown(document: Matrix) -> Shown:
+    tables = [_table(document, place) for place in document.places]
+    groups = [("Figures of the document", [t for t in tables if not t.place.effect]),
+              ("One effect each", [t for t in tables if t.place.effect])]
+    return Shown(document, _overall(document), [(name, found) for name, found in groups if found],
+                 list(_reasons(document)), sum(pair.agrees for pair in document.pairs))
+
+
+def exponent(error: float) -> str:
+    """The power of ten at or above `error`: what it stays below."""
+    return str(math.ceil(math.log10(error) - 1e-9)).replace("-", "\N{MINUS SIGN}")
+
+
+def _table(document: Matrix, place: Place) -> Table:
+    pairs = {frozenset((p.first, p.second)): p for p in document.pairs if p.scene == place.name}
+    absent = {a.renderer: a for a in document.absent if a.scene == place.name}
+    dissent = [d for d in document.dissent if d.scene == place.name]
+    odd = {name for d in dissent if not d.expected for name in d.renderers}
+
+    def cell(a: Member, b: Member) -> Cell:
+        for name in (a.name, b.name):
+            if name in absent:
+                return Cell("", "absent", title=f"{name}: {absent[name].reason}")
+        pair = pairs.get(frozenset((a.name, b.name)))
+        return _cell(pair) if pair else Cell("", "absent", title="not compared")
+
+    return Table(place, f"m-{slug(place.name)}", _rows(document.members, cell, odd), dissent)
+
+
+def _overall(document: Matrix) -> Table:
+    """Every pair at its worst scene; the title tells which, and on how many they agree."""
+    def cell(a: Member, b: Member) -> Cell:
+        both = [p for p in document.pairs if {p.first, p.second} == {a.name, b.name}]
+        if not both:
+            return Cell("", "absent", title="no scene has both")
+        worst = max(both, key=lambda p: math.inf if p.color_p99 is None else p.color_p99)
+        agreeing = sum(p.agrees for p in both)
+        found = _cell(worst)
+        disagree = "expected" if LITERAL in (a.name, b.name) else "disagree"
+        return Cell(found.text, "agree" if agreeing == len(both) else disagree, found.colour, found.dark,
+                    f"agree on {agreeing} of {len(both)} scenes; furthest apart on {worst.scene}: {_numbers(worst)}")
+
+    return Table(None, "overall", _rows(document.members, cell, set()), document.dissent)
+
+
+def _rows(members: list[Member], cell, odd: set[str]) -> list[Row]:
+    return [Row(letter, a.name, [Cell("", "same") if a is b else cell(a, b) for b in members], a.name in odd)
+            for letter, a in zip(_letters(len(members)), members)]
+
+
+def _letters(count: int) -> list[str]:
+    return [ascii_uppercase[k] if k < 26 else str(k) for k in range(count)]
+
+
+def _cell(pair: Pair) -> Cell:
+    style = "agree" if pair.agrees else "expected" if LITERAL in (pair.first, pair.second) else "disagree"
+    title = f"{pair.first} and {pair.second}: {_numbers(pair)}" + ("" if pair.agrees else f". {pair.broken}")
+    if pair.color_p99 is None or not math.isfinite(pair.color_p99):
+        return Cell("?", style, css(scale.NON_FINITE), False, title)
+    if pair.color_p99 == 0:
+        return Cell("=", style, css(scale.EXACT), True, title)
+    level = scale.level(pair.color_p99)
+    return Cell(exponent(max(pair.color_p99, scale.LOW)), style, css(scale.TABLE[level]),
+                bool(level < LIGHT * scale.LEVELS), title)
+
+
+def _numbers(pair: Pair) -> str:
+    p99 = "nothing finite" if pair.color_p99 is None else f"{pair.color_p99:.2g}"
+    return (f"99 % of the pixels within {p99}, {pair.failing} visibly off, {pair.mismatches} see another object "
+            f"(limits for {pair.tolerance})")
+
+
+def _reasons(document: Matrix) -> Iterable[Reason]:
+    order = {name: k for k, name in enumerate(STATES)}
+    key = lambda a: (order[a.state], a.renderer, a.reason)
+    titles = {place.name: place.title for place in document.places}
+    for (_, renderer, reason), group in groupby(sorted(document.absent, key=key), key=key):
+        found = list(group)
+        state = STATES[found[0].state]
+        yield Reason(renderer, state.word, reason, [titles.get(a.scene, a.scene) for a in found], state.is_fault)
