@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from .errors import InputError
+from .film import PLANES
 from .render import Picture
 
 SUFFIXES = (".png", ".exr", ".npz")
-PLANES = ("color", "t", "position", "normal", "index", "depth", "status")
+ROWS = 256  # converted at a time
 
 
 def metadata(picture: Picture) -> dict:
@@ -31,6 +32,11 @@ def require_writable(path: Path) -> None:
         raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
     if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
         raise InputError(f"{path}: cannot be written; choose another file")
+
+
+def planes_of(path: Path) -> tuple[str, ...]:
+    """The planes that a file of this suffix holds, and the status, which is always told."""
+    return ("color", "status") if path.suffix.lower() == ".png" else PLANES
 
 
 def save(picture: Picture, path: str | Path) -> None:
@@ -50,7 +56,11 @@ def save(picture: Picture, path: str | Path) -> None:
 
 def to_8_bit(color: np.ndarray) -> np.ndarray:
     """Linear values to 0..255: clamped to [0, 1] and rounded to nearest, no gamma (decision P1). NaN becomes 0."""
-    return np.floor(np.clip(np.nan_to_num(color, nan=0.0, posinf=1.0, neginf=0.0), 0, 1) * 255 + 0.5).astype(np.uint8)
+    pixels = np.empty(color.shape, np.uint8)
+    for start in range(0, len(color), ROWS):  # a picture of 8K has no room for copies of its floats
+        rows = np.nan_to_num(color[start:start + ROWS], nan=0.0, posinf=1.0, neginf=0.0)
+        pixels[start:start + ROWS] = np.floor(np.clip(rows, 0, 1) * 255 + 0.5).astype(np.uint8)
+    return pixels
 
 
 def save_png(picture: Picture, path: Path) -> None:

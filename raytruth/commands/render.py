@@ -29,7 +29,7 @@ def add_arguments(parser):
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
     parser.add_argument("--samples", type=int, metavar="N", help="N x N samples a pixel instead of the scene's")
     parser.add_argument("--step-size", type=float, metavar="H", help="step size instead of the scene's")
-    parser.add_argument("--precision", type=int, choices=(64, 32), default=64, help="bits of the floats (default 64)")
+    parser.add_argument("--precision", type=int, choices=(64, 32), help="bits of the floats (default: the scene's, 64)")
     parser.add_argument("--device", choices=("llvm", "cuda"), default="llvm", help="processor (default) or graphics card")
     parser.add_argument("--threads", type=int, metavar="N", help="threads to use (default: all cores)")
     parser.add_argument("--json", action="store_true", help="print what was made as JSON")
@@ -78,11 +78,12 @@ def _adjusted(scene, arguments):
 
 
 def _with_ours(scene, arguments):
+    from reference_tracer.image_files import planes_of
     from reference_tracer.render import render
 
     bar = _bar(scene)
     picture = render(scene, arguments.method, precision=arguments.precision, device=arguments.device,
-                     threads=arguments.threads, progress=bar.to if bar else None)
+                     threads=arguments.threads, planes=planes_of(Path(arguments.output)), progress=bar.to if bar else None)
     if bar:
         bar.close()
     return picture
