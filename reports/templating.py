@@ -7,10 +7,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from . import scale
 from .cases import is_lower_bound, scene_page
 from .decisions import pieces
+from .names import slug
 from .numbers import parts
 from .pages.page import Page
 from .report import Report
-from .words import KEY_METRICS, STATES, VERDICTS, metric, sentence
+from .words import KEY_METRICS, STATES, VERDICTS, capital, metric, sentence
 
 STATIC = ("report.css", "report.js")
 
@@ -18,7 +19,7 @@ STATIC = ("report.css", "report.js")
 def environment() -> Environment:
     templates = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined,
                             trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    templates.filters.update(parts=parts, metric=metric, sentence=sentence, pieces=pieces, page_of=scene_page)
+    templates.filters.update(parts=parts, metric=metric, sentence=sentence, capital=capital, slug=slug, pieces=pieces, page_of=scene_page)
     templates.tests.update(lower_bound=is_lower_bound)
     templates.globals.update(scale=scale, VERDICTS=VERDICTS, STATES=STATES, KEY_METRICS=KEY_METRICS)
     return templates

@@ -95,7 +95,12 @@ def metric(name: str) -> Metric:
 def sentence(text: str) -> str:
     """`text` with a capital at its beginning and a full stop at its end."""
     text = text.strip()
-    return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".!?" else ".")
+    return capital(text) + ("" if not text or text[-1] in ".!?" else ".")
+
+
+def capital(text: str) -> str:
+    """`text` with a capital at its beginning, the rest as it is."""
+    return text[:1].upper() + text[1:]
 
 
 def truth_sentences(against: str, test: Run) -> list[str]:

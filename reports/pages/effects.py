@@ -20,7 +20,7 @@ def pages(report: Report) -> list[Page]:
         "index": INDEX,
         "last": last_printed_angle(),
         "example": {"angle": ANGLE, "length": length, "off": direction - refracted(ANGLE, 1 / INDEX)},
-    }, nav="Effects", summary=Summary(
+    }, nav="Decisions’ effects", summary=Summary(
         "What a decision changes",
         "The document prints its formula for the angle of refraction the wrong way round, and leaves other questions open.",
         "", "What each decision changes in a picture"))]

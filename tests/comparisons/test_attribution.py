@@ -1,0 +1,187 @@
+"""Attribution: every fault is taken for what it is, by a renderer that shares no tracing with the reference, and the
+right tracer for nothing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from comparisons.attribution import derived, side, wrong
+from comparisons.attribution.asked import Asked
+from comparisons.attribution.attribute import attribute
+from comparisons.attribution.bounds import SINGLE, bounds
+from comparisons.attribution.records import STAGES
+from reference_tracer.errors import InputError
+from reference_tracer.render import render
+from reference_tracer.scene import library
+
+ISSUE = {"y-flipped": "camera", "normal-not-turned": "normal", "shadow-once": "shadow", "as-printed": "refraction",
+         "no-1-minus-r": "mixing"}
+
+
+def effect(name: str, width: int = 120, height: int = 90):
+    return library.scene(f"effect-{name}").resized(width, height)
+
+
+def right(scene):
+    return render(scene, "exact")
+
+
+@pytest.mark.parametrize("id", ISSUE)
+def test_a_fault_is_named_by_mitsuba_alone(id):
+    fault = wrong.fault(id)
+    scene = library.scene(fault.effect).resized(120, 90)
+    found = attribute(scene, side.of_renderer("mitsuba-native"), side.of_fault(id))
+    assert found.stage == ISSUE[id] == fault.stage
+    before, after = np.split(np.array(STAGES), [STAGES.index(found.stage)])
+    outcome = {e.stage: e.outcome for e in found.evidence}
+    assert all(outcome[stage] != "diverges" for stage in before)
+    assert outcome[after[0]] == "diverges" and all(outcome[stage] == "not asked" for stage in after[1:])
+
+
+def test_the_right_tracer_is_taken_for_nothing_by_mitsuba():
+    found = attribute(effect("mixing"), side.of_renderer("mitsuba-native"), side.of_renderer("exact"))
+    assert found.stage is None and not found.pixels
+    assert {e.outcome for e in found.evidence} == {"agrees", "not asked"}  # sampling: one sample a pixel
+
+
+@pytest.mark.parametrize("id", [id for id in wrong.FAULTS if id not in ISSUE])
+def test_every_other_fault_is_named_by_the_reference(id):
+    fault = wrong.fault(id)
+    scene = library.scene(fault.effect).resized(96, 72)
+    assert attribute(scene, side.of_fault(""), side.of_fault(id)).stage == fault.stage
+
+
+def test_a_fault_ends_with_its_context():
+    scene = effect("shading", 24, 18)
+    before = render(scene).color
+    with wrong.in_place(wrong.fault("y-flipped")):
+        assert np.array_equal(render(scene).color[::-1], before) or not np.array_equal(render(scene).color, before)
+    assert np.array_equal(render(scene).color, before)
+
+
+def test_a_fault_whose_passage_is_gone_is_one_sentence():
+    with pytest.raises(InputError, match="fault y-flipped: its passage is not to be found"):
+        with wrong.in_place(replace(wrong.fault("y-flipped"), right="no such line")):
+            pass
+    with pytest.raises(InputError, match="unknown fault 'gremlins'"):
+        wrong.fault("gremlins")
+
+
+# --- pictures that tell no more than colour, object and distance, as an external renderer's ---------------------------
+def without(picture, *names):
+    return replace(picture, **{name: np.full_like(getattr(picture, name), np.nan) for name in names})
+
+
+@pytest.mark.parametrize("id, stage", [("normal-not-turned", "normal"), ("falling-off", "shading")])
+def test_faults_are_named_where_no_normals_are_told(id, stage):
+    scene = library.scene(wrong.fault(id).effect).resized(96, 72)
+    blind = lambda s: without(right(s), "normal", "position")
+    if id == "falling-off":  # without a normal, its cosine is all there is: a wrong cosine is a wrong normal
+        stage = "normal"
+    assert attribute(scene, blind, side.of_fault(id)).stage == stage
+
+
+@pytest.mark.parametrize("turned, words", [
+    (lambda plane: plane[::-1], "upside down"), (lambda plane: plane[:, ::-1], "mirrored"),
+    (lambda plane: np.roll(plane, 1, axis=0), "a pixel too low"),
+    (lambda plane: np.roll(plane, -1, axis=1), "a pixel too far left")])
+def test_a_turned_picture_is_the_camera_s_fault_though_no_position_is_told(turned, words):
+    def faulty(scene):
+        picture = right(scene)
+        planes = {name: turned(getattr(picture, name)) for name in ("color", "t", "index", "normal", "status")}
+        return without(replace(picture, **planes), "position")
+
+    found = attribute(effect("shading"), right, faulty)
+    assert found.stage == "camera" and words in found.sentence
+
+
+def test_a_field_of_view_over_the_shorter_side_is_the_camera_s_fault():
+    def faulty(scene):
+        half = np.tan(np.radians(scene.camera.fov / 2)) * scene.camera.width / scene.camera.height
+        camera = scene.camera.model_copy(update={"fov": float(2 * np.degrees(np.arctan(half)))})
+        return without(right(scene.model_copy(update={"camera": camera})), "position")
+
+    found = attribute(effect("shading"), right, faulty)
+    assert found.stage == "camera" and "over the shorter side" in found.sentence
+
+
+@pytest.mark.parametrize("change, stage", [
+    (lambda p: p.index.__setitem__((slice(40, 44), slice(40, 44)), 3), "hit"),
+    (lambda p: p.t.__imul__(1 + 1e-4), "root"),
+    (lambda p: p.normal.__imul__(1 + 1e-3), "normal"),
+    (lambda p: p.color.__imul__(1.01), "shading"),
+    (lambda p: p.color.__setitem__((slice(None, None, 5), slice(None, None, 5)), 0), "shadow")])
+def test_each_plane_names_its_stage(change, stage):
+    def faulty(scene):
+        picture = right(scene)
+        change(picture)
+        return picture
+
+    assert attribute(effect("shading"), right, faulty).stage == stage
+
+
+def test_rounding_never_counts():
+    def single(scene):
+        return render(scene, "exact", precision=32)
+
+    for name in ("refraction", "total-reflection"):
+        assert attribute(effect(name), right, single).stage is None
+
+
+def test_bounds_are_small_where_nothing_is_near_and_large_at_edges():
+    scene = derived.local(effect("shadow"))
+    bound = bounds(scene, SINGLE)
+    assert np.median(bound.color) < 1e-4 < bound.color.max()
+    index = right(scene).index
+    assert bound.allows(index).all() and not bound.allows(index + 7).any()
+
+
+# --- derived scenes ---------------------------------------------------------------------------------------------------
+def test_derived_scenes_leave_later_stages_nothing_to_do():
+    scene = effect("mixing", 60, 45)
+    white = right(derived.geometry(scene))
+    rays = derived.pixel_directions(scene)
+    cosine = np.where(white.index >= 0, -np.sum(rays * white.normal, axis=-1), 0)
+    assert np.allclose(white.color, cosine[..., None], atol=1e-12, equal_nan=True)  # cos(phi1), and no shadow
+    assert white.depth.max() == 0
+    m = scene.objects[3].material  # the weights are those of section 4.3.4
+    here = white.index == 3
+    shown = right(derived.weights(scene)).color[here]
+    expected = cosine[here][:, None] * np.array(m.color) * (1 - m.reflection) * (1 - m.transparency)
+    assert np.allclose(shown, expected, atol=1e-12)
+
+
+def test_an_object_is_looked_at_from_within():
+    scene = effect("total-reflection", 60, 45)
+    picture = right(derived.geometry(scene))
+    from reference_tracer.placement import is_inside
+
+    for k in (1, 2):  # a ball holds its own centre, a ring does not
+        inner = derived.within(scene, k, {"index": picture.index, "t": picture.t})
+        assert is_inside(scene.objects[k], inner.camera.position)
+        assert (right(inner).index == 0).all()
+
+
+# --- histories --------------------------------------------------------------------------------------------------------
+def test_histories_add_up_to_the_pixel_on_both_sides():
+    scene = effect("mixing", 60, 45)
+    ours, theirs = side.of_renderer("exact"), side.of_renderer("mitsuba-native")
+    picture = ours(scene)
+    deepest = np.unravel_index(np.argmax(np.where(picture.index == 3, picture.depth, 0)), picture.depth.shape)
+    for one in (ours, theirs):
+        history = one.rays(scene, *map(int, deepest))
+        total = sum(ray.weight * np.array(ray.color) for ray in history.rays)
+        assert np.allclose(total, picture.color[deepest], atol=1e-5)
+        assert history.rays[0].kind == "camera" and history.rays[0].object == "both"
+        assert {r.kind for r in history.rays if r.generation == 1} == {"reflection", "refraction"}
+    a, b = (one.rays(scene, *map(int, deepest)) for one in (ours, theirs))
+    assert [(r.generation, r.kind, r.object, r.lights) for r in a.rays] == [
+        (r.generation, r.kind, r.object, r.lights) for r in b.rays]
+
+
+def test_pictures_are_made_once():
+    made = []
+    asked = Asked(lambda s: made.append(s.hash) or right(s), right)
+    scene = effect("shading", 24, 18)
+    assert asked.pair(scene) is asked.pair(scene) and len(made) == 1
