@@ -7,7 +7,7 @@ import numpy as np
 from reference_tracer.image_files import load_npz
 from reference_tracer.scene.model import Scene
 
-from ..bench.results import Clock
+from ..bench.timing import QUIET
 from ..metrics import pixel_error
 from ..planes import problem
 from .growth import SECONDS, Study
@@ -59,7 +59,7 @@ class _Growing:
         facts = [f for found in timed.values() for f in found.facts]
         others = sum(f["others"] for f in facts) / max(sum(f["seconds"] for f in facts), 1e-9)
         return Growth(id=study.id, title=study.title, x_label=study.x_label, second_label=SECONDS[study.second],
-                      lines=lines, finding=_finding(study, lines, clock([others])), others=others,
+                      lines=lines, finding=_finding(study, lines, others), others=others,
                       command="raytruth chart --growth " + study.id)
 
     def _id(self, label: str, x: float) -> str:
@@ -99,23 +99,26 @@ def _with_efficiency(point: GrowthPoint, one: GrowthPoint) -> GrowthPoint:
     return point.model_copy(update={"second": one.picture.wall.median / (point.x * point.picture.wall.median)})
 
 
-def _finding(study: Study, lines: list[GrowthLine], decisive: Clock) -> str:
-    """From the first value to the last: by what factor time and the other thing grew."""
+def _finding(study: Study, lines: list[GrowthLine], others: float) -> str:
+    """From the first value to the last: by what factor time and the other thing changed."""
     told = []
     for line in lines:
-        done = [p for p in line.points if p.picture and p.second is not None]
+        done = [p for p in line.points if p.picture and p.second]
         if len(done) < 2:
             continue
-        a, b = done[0], done[-1]
+        first, last = done[0], done[-1]
+        time = lambda p: getattr(p.picture, clock([others])).median
         if study.x_is_threads:
-            best = max(done, key=lambda p: a.picture.wall.median / p.picture.wall.median)
-            told.append(f"{best.x:g} threads are {a.picture.wall.median / best.picture.wall.median:.2f} times as fast as "
-                        f"one, an efficiency of {best.second:.0%}")
-            continue
-        time = getattr(b.picture, decisive).median / getattr(a.picture, decisive).median
-        other = b.second / a.second if a.second else float("nan")
-        told.append(f"{line.label}: {b.x / a.x:.3g} times the {study.x_label} take {time:.3g} times the time, and "
-                    f"{study.second} grows {other:.3g}-fold" if other >= 1 else
-                    f"{line.label}: {b.x / a.x:.3g} times the {study.x_label} take {time:.3g} times the time, and the "
-                    f"{study.second} falls to {other:.3g} of what it was")
+            best = min(done, key=lambda p: p.picture.wall.median)
+            told.append(f"at best, with {best.x:g} of up to {last.x:g} threads, a picture takes "
+                        f"{best.picture.wall.median / first.picture.wall.median:.2f} of the time with one: an efficiency "
+                        f"of {best.second:.0%}"
+                        + (f" (other programs kept {others:.1f} cores busy)" if others >= QUIET else ""))
+        else:
+            told.append(f"{line.label}: with {last.x / first.x:.3g} times the {study.x_label}, {_factor(time(last) / time(first))} "
+                        f"the time and {_factor(last.second / first.second)} the {study.second}")
     return "; ".join(told)
+
+
+def _factor(ratio: float) -> str:
+    return f"{ratio:.3g} times"

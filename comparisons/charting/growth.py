@@ -10,8 +10,10 @@ from typing import Literal
 
 from reference_tracer.errors import InputError
 from reference_tracer.scene import library
-from reference_tracer.scene.model import Scene
+from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
 from reference_tracer.surfaces.expression import Expression
+from reference_tracer.surfaces.plane import Plane
+from reference_tracer.surfaces.sphere import Sphere
 
 from ..bench.groups.objects import spheres
 
@@ -45,19 +47,18 @@ def studies(full: bool) -> tuple[Study, ...]:
     """All studies; smaller pictures and fewer values unless `full`."""
     cores = len(os.sched_getaffinity(0))
     small, large = ((160, 120), (320, 240)) if not full else ((320, 240), (640, 480))
-    sizes = (80, 160, 320, 640, 1280) + ((2560,) if full else ())
+    sizes = (80, 160, 320, 640) + ((1280, 2560) if full else ())
     exact = BOTH[:1]
     return (
         Study("samples", "Samples a pixel", "samples a pixel", (1, 4, 9, 16, 64, 256), partial(_sampled, small), "error",
               exact),
         Study("threads", "Threads", "threads", tuple(dict.fromkeys((*range(1, cores + 1), 2 * cores))),
-              lambda threads: _sampled(large, 16), "efficiency", exact, True),
+              lambda threads: _sampled((640, 480), 16), "efficiency", exact, True),
         Study("resolution", "Pixels", "pixels", tuple(w * w * 3 // 4 for w in sizes), _resolved, "memory"),
-        Study("objects", "Objects", "spheres", (10, 20, 50, 100, 200) + ((400, 800) if full else ()),
-              lambda count: spheres(int(count), *large), "memory"),
-        Study("depth", "Generations of secondary rays", "max_depth", (1, 2, 4, 8, 16, 32),
-              lambda depth: library.scene("figure-reflection").resized(*large, samples=1).traced_with(max_depth=int(depth)),
-              "rays", exact),
+        Study("objects", "Objects", "spheres", (10, 50, 200) + ((400, 800) if full else ()),
+              lambda count: spheres(int(count), *small), "memory"),
+        Study("depth", "Generations of secondary rays", "max_depth", (1, 2, 4, 8, 16, 32, 64),
+              partial(_between_mirrors, small), "rays", exact),
         Study("distance", "Range of a ray", "max_distance", (7.5, 15.0, 30.0, 60.0, 120.0), partial(_reaching, large),
               "evaluations"),
     )
@@ -70,6 +71,15 @@ def _sampled(size: tuple[int, int], samples: float) -> Scene:
 def _resolved(pixels: float) -> Scene:
     width = round((pixels * 4 / 3) ** 0.5)
     return library.scene("figure-07-torus").resized(width, width * 3 // 4, samples=1)
+
+
+def _between_mirrors(size: tuple[int, int], depth: float) -> Scene:
+    """A ball between two mirrors that face each other: a ray runs to and fro until its generations are used up."""
+    wall = lambda z: Object(surface=Plane(center=(0.0, 0.0, z), a=0.0, b=0.0, c=1.0),
+                            material=Material(color=(0.8, 0.9, 1.0), reflection=0.95))
+    ball = Object(surface=Sphere(center=(0.5, -0.3, 3.0), r=0.5), material=Material(color=(0.9, 0.4, 0.2), reflection=0.3))
+    return Scene(name="between-mirrors", camera=Camera(width=size[0], height=size[1]), objects=(wall(-1.0), wall(5.0), ball),
+                 lights=(Light(position=(2.0, 3.0, 1.0)),), tracing=Tracing(max_depth=int(depth), max_distance=60.0))
 
 
 def _reaching(size: tuple[int, int], distance: float) -> Scene:
