@@ -16,7 +16,10 @@ BAND = 34  # height of the band below the axis where exact zeros are drawn
 
 # one mark a line, besides its colour and its dashes: a path around (0, 0)
 MARKS = ("M-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0Z", "M-4.2 -4.2H4.2V4.2H-4.2Z", "M0 -5.8L5.8 0L0 5.8L-5.8 0Z",
-         "M0 -5.4L5.2 4H-5.2Z", "M0 5.4L5.2 -4H-5.2Z", "M-5 -1.7H-1.7V-5H1.7V-1.7H5V1.7H1.7V5H-1.7V1.7H-5Z")
+         "M0 -5.4L5.2 4H-5.2Z", "M0 5.4L5.2 -4H-5.2Z", "M-5 -1.7H-1.7V-5H1.7V-1.7H5V1.7H1.7V5H-1.7V1.7H-5Z",
+         "M-5.2 -2.8L-2.8 -5.2L0 -2.4L2.8 -5.2L5.2 -2.8L2.4 0L5.2 2.8L2.8 5.2L0 2.4L-2.8 5.2L-5.2 2.8L-2.4 0Z",
+         "M0 -6.2L1.5 -2.1L5.9 -1.9L2.5 0.8L3.6 5L0 2.6L-3.6 5L-2.5 0.8L-5.9 -1.9L-1.5 -2.1Z",
+         "M-4.6 -5.2H4.6L1 0L4.6 5.2H-4.6L-1 0Z", "M5.2 0L2.6 4.5L-2.6 4.5L-5.2 0L-2.6 -4.5L2.6 -4.5Z")
 
 
 @dataclass(frozen=True)
