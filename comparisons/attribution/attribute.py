@@ -11,8 +11,8 @@ from reference_tracer.scene.model import Scene
 
 from .asked import Asked
 from .camera import explanation
-from .history import triple
-from .records import STAGES, Attribution, Evidence, Stage, WorstPixel
+from .history import of_planes, triple
+from .records import STAGES, Attribution, Evidence, History, Stage, WorstPixel
 from .side import Side, of_function
 from .stages import ASK, Finding
 
@@ -99,6 +99,10 @@ def _attribution(scene: Scene, a: Side, b: Side, stage: Stage | None, finding: F
                        pixels=_worst(finding, a, b))
 
 
+def _history(side: Side, picture: Picture, row: int, col: int) -> History:
+    return side.rays(picture.scene, row, col) if side.rays else of_planes(picture, row, col, side.title)
+
+
 def _list(words: list[str]) -> str:
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
 
@@ -111,6 +115,6 @@ def _worst(finding: Finding, a: Side, b: Side) -> list[WorstPixel]:
         row, col = (int(k) for k in np.unravel_index(np.argmax(error), error.shape))
         pixels.append(WorstPixel(
             row=row, col=col, difference=float(finding.error[row, col]), color_a=triple(pair.a.color[row, col]),
-            color_b=triple(pair.b.color[row, col]), a=a.rays(pair.scene, row, col), b=b.rays(pair.scene, row, col)))
+            color_b=triple(pair.b.color[row, col]), a=_history(a, pair.a, row, col), b=_history(b, pair.b, row, col)))
         error[max(0, row - APART):row + APART + 1, max(0, col - APART):col + APART + 1] = -1
     return pixels

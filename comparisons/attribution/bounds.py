@@ -6,7 +6,7 @@ For a renderer on meshes a unit is larger: its rays meet surfaces that are elsew
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -32,15 +32,19 @@ class Accuracy:
 
 
 SINGLE = Accuracy(UNIT[32], color=2e-5, depth=5e-6, normal=5e-5, stray=3e-4)
-MESH_COLOR, MESH_DEPTH, MESH_NORMAL, MESH_STRAY = 2e-3, 2e-4, 4e-3, 5e-3  # of meshes of 256 cells
+ISOSURFACE = replace(SINGLE, color=2e-4, normal=1e-3)  # POV-Ray's, at an accuracy of 1e-8
+MESH = Accuracy(UNIT[32], color=2e-3, depth=2e-4, normal=4e-3, stray=5e-3)  # of 256 cells
 
 
 def accuracy_of(pictures: list[Picture]) -> Accuracy:
-    """The accuracy of the less accurate of the renderers that made `pictures`, from what they tell of themselves."""
-    meshed = [float(p.metadata.get("measured_mesh_error") or 0) for p in pictures if p.metadata.get("triangles")]
-    if not meshed:
-        return SINGLE
-    return Accuracy(max(SINGLE.unit, max(meshed) / ORIGIN_UNITS), MESH_COLOR, MESH_DEPTH, MESH_NORMAL, MESH_STRAY)
+    """The accuracy of the least accurate of the renderers that made `pictures`, from what they tell of themselves."""
+    facts = [p.metadata for p in pictures]
+    meshed = [float(f["measured_mesh_error"]) for f in facts if f.get("measured_mesh_error")]
+    if meshed:
+        return replace(MESH, unit=max(MESH.unit, max(meshed) / ORIGIN_UNITS))
+    accuracy = ISOSURFACE if any(f.get("isosurfaces") for f in facts) else SINGLE
+    # colours of a fixed number of bits are as fine as the brightest of them allows
+    return replace(accuracy, color=accuracy.color * max([1.0, *(f["brightest"] for f in facts if f.get("brightest"))]))
 
 
 @dataclass(frozen=True)

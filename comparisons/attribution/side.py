@@ -20,7 +20,7 @@ class Side:
 
     title: str
     make: Callable[[Scene], Picture]
-    rays: Callable[[Scene, int, int], History]  # of the pixel in that row and column
+    rays: Callable[[Scene, int, int], History] | None = None  # of the pixel in that row and column; None: not told
 
     def __call__(self, scene: Scene) -> Picture:
         return self.make(scene)
@@ -39,7 +39,7 @@ def of_renderer(name: str) -> Side:
         shapes = {k: v for k, v in renderer.settings.items() if k in ("shapes", "resolution")}
         rays = lambda scene, row, col: mitsuba_history.rays(scene, row, col, renderer.title, **shapes)
     else:
-        rays = lambda scene, row, col: history.of_planes(make(scene), row, col, renderer.title)
+        rays = None
     return Side(renderer.title, make, rays)
 
 
@@ -62,7 +62,7 @@ def of_fault(id: str) -> Side:
 
 
 def of_function(make: Callable[[Scene], Picture], title: str) -> Side:
-    """Any function that makes pictures; of a pixel's rays it tells what its planes hold."""
+    """Any function that makes pictures."""
     if isinstance(make, Side):
         return make
-    return Side(title, make, lambda scene, row, col: history.of_planes(make(scene), row, col, title))
+    return Side(title, make)

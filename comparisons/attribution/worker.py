@@ -13,8 +13,9 @@ def _answer(request: dict) -> dict:
 
     from reference_tracer.scene.load import parse_scene
 
-    from ..gate import MESH, NATIVE, judge
+    from ..gate import judge, tolerance_of
     from ..metrics import geometry, picture
+    from ..results import Run
     from . import side
     from .attribute import attribute
     from .records import Judged
@@ -27,7 +28,9 @@ def _answer(request: dict) -> dict:
         pictures = [side_(scene) for side_ in (a, b)]
         planes = [{**vars(p), "camera": np.array(scene.camera.position)} for p in pictures]
         measured = {**geometry(*planes), **picture(*planes)}
-        verdict, reason, _ = judge(measured, MESH if pictures[0].metadata.get("triangles") else NATIVE)
+        facts = {k: v for k, v in pictures[0].metadata.items() if isinstance(v, (bool, int, float, str))}
+        run = Run(key="", scene=scene.name, renderer=request["a"], state="ok", facts=facts, command="")
+        verdict, reason, _ = judge(measured, tolerance_of(run))
         found = verdict == "differs"
     judged = Judged(found=found, reason=reason, attribution=attribute(scene, a, b))
     part = Path(request["output"]).with_suffix(".part")
