@@ -98,7 +98,8 @@ def ladders(scenes: Sequence[Scene]) -> list[ResolutionLadder]:
         ResolutionLadder("mesh-normals", "Normals of meshes", f"angle in degrees, {away}", "mitsuba-mesh",
                          MESH_RESOLUTIONS, curved, _geometric("normal p99 degrees")),
         ResolutionLadder("mesh-colors", "Colours of meshes", "colour error, 99th percentile, away from silhouettes, "
-                         "those in mirrors too, and from shadows", "mitsuba-mesh", MESH_RESOLUTIONS, shaded, _smooth_color),
+                         "those in mirrors too, and from shadows", "mitsuba-mesh", MESH_RESOLUTIONS, shaded,
+                         _smooth_color),
         ResolutionLadder("grid-ladder", "Depth error of grids", f"relative depth error, {away}", "mitsuba-sdfgrid",
                          GRID_RESOLUTIONS, curved, _geometric("depth p99")),
         ResolutionLadder("grid-normals", "Normals of grids", f"angle in degrees, {away}", "mitsuba-sdfgrid",

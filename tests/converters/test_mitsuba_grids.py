@@ -19,7 +19,8 @@ def compared(scene, resolution):
     d = document_directions(scene.camera).reshape(*exact.t.shape, 3)
     facing = np.isfinite(exact.t) & np.isfinite(seen.t) & (np.abs((exact.normal * d).sum(-1)) > 0.3)
     missed = int((np.isfinite(exact.t) != np.isfinite(seen.t)).sum())
-    return (np.abs(seen.t[facing] - exact.t[facing]), np.linalg.norm((seen.normal - exact.normal)[facing], axis=-1), missed)
+    depth, normal = np.abs(seen.t[facing] - exact.t[facing]), (seen.normal - exact.normal)[facing]
+    return depth, np.linalg.norm(normal, axis=-1), missed
 
 
 @pytest.mark.parametrize("surface", [
@@ -28,17 +29,18 @@ def compared(scene, resolution):
     Expression(center=(0.0, 0.0, 3.0), formula="x**4 + y**4 + z**4 - 1",
                bounds={"low": (-1.0, -1.0, -1.0), "high": (1.0, 1.0, 1.0)})], ids=lambda s: s.type)
 def test_turned_surfaces_of_all_proportions(scene_of, surface):
-    """Resolution 96, boxes of different sides: h is at most 0.03. h^2 / 8 for each axis at a radius of 0.25 is 1.4e-3."""
+    """Resolution 96, boxes of different sides: h is at most 0.03; h^2 / 8 an axis at a radius of 0.25 is 1.4e-3."""
     scene = scene_of(Object(surface=surface, rotation=TURNED), width=160, height=120)
     depth, normal, missed = compared(scene, 96)
     assert depth.size > 800 and missed <= 12
     assert np.quantile(depth, 0.95) < 1.4e-3 and np.quantile(normal, 0.95) < 2e-2
 
 
-@pytest.mark.parametrize("surface", [Torus(center=(0.0, 0.0, 3.0), R=0.8, r=0.3), Sphere(center=(0.0, 0.0, 3.0), r=1.0)],
-                         ids=lambda s: s.type)
+@pytest.mark.parametrize("surface", [Torus(center=(0.0, 0.0, 3.0), R=0.8, r=0.3),
+                                     Sphere(center=(0.0, 0.0, 3.0), r=1.0)], ids=lambda s: s.type)
 def test_errors_fall_with_the_square_of_the_resolution(scene_of, surface):
-    errors = [[np.quantile(e, 0.9) for e in compared(scene_of(surface, width=192, height=144), n)[:2]] for n in (24, 48, 96)]
+    scene = scene_of(surface, width=192, height=144)
+    errors = [[np.quantile(e, 0.9) for e in compared(scene, n)[:2]] for n in (24, 48, 96)]
     for coarse, fine in zip(errors, errors[1:]):
         assert all(3.2 < a / b < 4.9 for a, b in zip(coarse, fine))
 
@@ -51,8 +53,8 @@ def test_the_measured_error_bounds_what_rays_see(scene_of):
 
 
 def test_what_has_no_bounds_keeps_its_exact_shape_or_its_mesh(scene_of):
-    scene = scene_of(Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0), Paraboloid(center=(0.0, 0.0, 3.0), a=0.7, b=0.9),
-                     Sphere(center=(0.0, 0.0, 3.0), r=0.5))
+    scene = scene_of(Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0),
+                     Paraboloid(center=(0.0, 0.0, 3.0), a=0.7, b=0.9), Sphere(center=(0.0, 0.0, 3.0), r=0.5))
     parts = convert(scene, "sdfgrid", 24).parts
     assert [p.kind for p in parts] == ["native", "mesh", "sdfgrid"]
     assert all("cut" in p.clipped for p in parts[:2]) and not parts[2].clipped
@@ -60,7 +62,7 @@ def test_what_has_no_bounds_keeps_its_exact_shape_or_its_mesh(scene_of):
 
 def test_mirrors_and_glass_on_grids(scene_of):
     """Secondary rays start on a grid: shading follows the exact reference within the grid's error."""
-    floor = Object(surface=Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0), material=Material(color=(0.8, 0.8, 0.7)))
+    floor = Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0)
     glass = Material(color=(0.9, 0.8, 0.7), transparency=0.8, refractive_index=1.3)
     scene = scene_of(floor, Object(surface=Sphere(center=(-0.8, 0.0, 4.0), r=0.9), material=Material(reflection=0.7)),
                      Object(surface=Sphere(center=(0.9, -0.2, 3.0), r=0.7), material=glass))
