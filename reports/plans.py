@@ -75,4 +75,4 @@ def _shown(plan: Plan, folder: Path) -> ShownPlan:
 
 
 def _short(parameter: str, planned: str) -> str:
-    return f"no {parameter}" if planned == "left out" else f"{parameter} {planned}"
+    return f"no {parameter}" if planned == "left out" else f"{parameter}: {planned}"

@@ -16,9 +16,9 @@ from . import halves, mesh, saved
 from .decisions import ORDER
 from .results import COMMAND, Plan, Proof
 from .search import Decision, OutOfTime, Search
-from .yardstick import Yardstick
+from .yardstick import COLOUR, Yardstick
 
-MARGINS = (0.75, 0.25)  # shares of the tolerance that decisions may use: the second if the first plan fails its proof
+MARGINS = (0.9, 0.5)  # shares of the tolerance that decisions may use: the second if the first plan fails its proof
 MOST_SEARCHED = 1 << 22  # camera rays of a picture that is searched on; a larger scene is searched on a smaller picture
 LIMIT = 60.0  # seconds for the search
 SUFFIX, LONGEST_NAME, LONGEST_TEXT = "-planned", 80, 2000  # of a scene file
@@ -51,7 +51,7 @@ def plan(scene: Scene, tolerance: float, *, limit: float = LIMIT, turns: int = s
 
     `limit` is in seconds, for the decisions; the proof and the measurement of what is saved come on top.
     """
-    start = time.monotonic()
+    start, start_cpu = time.monotonic(), time.process_time()
     progress("the scene as written", 0.0)
     yardstick = Yardstick(scene, tolerance)
     small = fitted(scene)
@@ -60,7 +60,7 @@ def plan(scene: Scene, tolerance: float, *, limit: float = LIMIT, turns: int = s
         attempt = _attempt(scene, small, yardstick, searched, margin, attempts, limit, progress)
         if attempt.proof.holds:
             break
-    seconds = time.monotonic() - start
+    seconds, cpu = time.monotonic() - start, time.process_time() - start_cpu
     progress("what is saved", 0.8)
     planned = _named(scene, attempt, tolerance)
     camera = scene.camera
@@ -68,7 +68,8 @@ def plan(scene: Scene, tolerance: float, *, limit: float = LIMIT, turns: int = s
     plan = Plan(
         scene=scene.name, title=scene.title, figure=scene.figure, hash=scene.hash, width=camera.width,
         height=camera.height, samples=scene.tracing.samples, tolerance=tolerance, margin=margin, attempts=attempts,
-        seconds=round(seconds, 3), decisions=[d.record() for d in attempt.decisions], proof=attempt.proof,
+        seconds=round(seconds, 3), cpu_seconds=round(cpu, 3), decisions=[d.record() for d in attempt.decisions],
+        proof=attempt.proof,
         saved=saved.measure(scene, planned, turns),
         meshes=mesh.ladder(scene, yardstick, held_back) if with_mesh else [],
         planned=planned.model_dump(mode="json", by_alias=True, exclude_none=True),
@@ -92,7 +93,7 @@ def _attempt(scene: Scene, small: Scene, yardstick: Yardstick, searched: Yardsti
         _withdraw(scene, yardstick, mask(scene), margin, decisions)
     progress("the proof", 0.75)
     planned = applied(scene, decisions)
-    color = render(planned, "exact").color
+    color = render(planned, "exact", planes=COLOUR).color
     change = yardstick.from_truth(color)
     held_back = ~mask(scene)
     difference = yardstick.difference(change, held_back, planned.tracing.precision)

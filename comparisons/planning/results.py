@@ -57,7 +57,7 @@ class Proof(Record):
 class Ratio(Record):
     """How many times longer the scene as written takes than the planned one, turn by turn."""
 
-    method: str = Field(description="with which the scene as written was rendered")
+    method: str = Field(description="with which the scene as written was rendered; or a whole call of render with it")
     wall: Spread
     cpu: Spread
     clock: Clock = Field(description="the one that counts: wall on a quiet machine, else processor time")
@@ -72,7 +72,7 @@ class Ratio(Record):
 
 
 class Saved(Record):
-    """What the plan saves; all kernels compiled before."""
+    """What the plan saves; all kernels compiled before. Colours alone, made ready; or a whole call with all planes."""
 
     ratios: list[Ratio]
     turns: int
@@ -110,6 +110,7 @@ class Plan(Record):
     margin: float = Field(description="share of the tolerance that the decisions were allowed to use")
     attempts: int = Field(description="plans made; all but the last failed their proof")
     seconds: float = Field(description="spent on finding and proving, compilation included")
+    cpu_seconds: float = Field(description="the same, of all threads together")
     decisions: list[DecisionRecord]
     proof: Proof
     saved: Saved

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference_tracer.render import render
+from reference_tracer.render import Renderer
 from reference_tracer.scene.model import Scene
 
 from ..bench.timing import timed
 from .results import DecisionRecord, Trial
 from .seen import Seen
-from .yardstick import Yardstick
+from .yardstick import COLOUR, Yardstick
 
 Change = Callable[[Scene], Scene]
-TURNS = 3
-CHEAPER = 0.9  # of the time: a smaller gain is within the noise of a few turns
+TURNS = 5
+CHEAPER = 0.95  # of the time: a smaller gain is within the noise of a few turns
 
 
 @dataclass
@@ -38,6 +38,11 @@ class Decision:
         return DecisionRecord(parameter=self.parameter, written=self.written,
                               planned=self.planned if in_force else self.written, changed=in_force,
                               withdrawn=self.withdrawn, evidence=self.evidence, trials=self.trials)
+
+
+def changing(change: float) -> str:
+    """The largest change of a picture, in words."""
+    return f"a pixel changes by {change:.2g}" if change else "no pixel changes"
 
 
 class OutOfTime(Exception):
@@ -69,14 +74,19 @@ class Search:
         trials, self._trials = self._trials, []
         return trials
 
+    def named(self, objects: Collection[int]) -> str:
+        """Names of objects of the scene as written."""
+        return ", ".join(self.written.objects[k].name or f"object {k + 1}" for k in sorted(objects))
+
     def seconds(self, candidates: dict[str, Scene]) -> dict[str, float]:
-        """Processor seconds of each candidate, turn by turn, the least of several turns. Raises OutOfTime."""
-        for scene in candidates.values():
-            render(scene, "exact")  # compiles
+        """Processor seconds of each candidate's colours, turn by turn, the least of several turns. Raises OutOfTime."""
+        renderers = {name: Renderer(scene) for name, scene in candidates.items()}
+        for renderer in renderers.values():
+            renderer.picture(COLOUR)  # compiles
         found = {name: float("inf") for name in candidates}
         for _ in range(TURNS):
             if time.monotonic() > self.deadline:
                 raise OutOfTime
-            for name, scene in candidates.items():
-                found[name] = min(found[name], timed(lambda: render(scene, "exact")).cpu)
+            for name, renderer in renderers.items():
+                found[name] = min(found[name], timed(lambda: renderer.picture(COLOUR)).cpu)
         return found

@@ -23,9 +23,10 @@ def _cells(d: DecisionRecord) -> tuple[str, str, str]:
 def _proof(plan: Plan) -> str:
     proof = plan.proof
     word = "PROVEN" if proof.holds else "NOT PROVEN"
-    return (f"{word} on {proof.held_back:,} pixels held back: largest difference {proof.largest:.2g}"
-            + (f"; rounding excuses {proof.excused} more (at most {proof.most_excused})" if proof.excused else "")
-            + (f"; attempt {plan.attempts}" if plan.attempts > 1 else "") + f"; found in {plan.seconds:.0f} s")
+    excused = f"; rounding excuses {proof.excused} more (at most {proof.most_excused})" if proof.excused else ""
+    attempt = f"; attempt {plan.attempts}" if plan.attempts > 1 else ""
+    return (f"{word} on {proof.held_back:,} pixels held back: largest difference {proof.largest:.2g}{excused}{attempt}; "
+            f"found in {plan.seconds:.0f} s, {plan.cpu_seconds:.0f} s of processor time")
 
 
 def _saved(saved: Saved) -> str:

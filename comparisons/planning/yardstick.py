@@ -10,6 +10,7 @@ from reference_tracer.render import render
 from reference_tracer.scene.model import Scene
 from reference_tracer.sensitivity import sensitivity
 
+COLOUR = ("color",)  # the plane that a tolerance is about
 MOST_EXCUSED = 1e-3  # share of the pixels; if rounding decides more of them, it is no excuse but a reason for fp64
 
 
@@ -34,12 +35,12 @@ class Yardstick:
 
     def __init__(self, scene: Scene, tolerance: float):
         self.scene, self.tolerance = truth_of(scene), tolerance
-        self.color = render(self.scene, "exact").color
+        self.color = render(self.scene, "exact", planes=COLOUR).color
         self._bounds: dict[int, np.ndarray] = {}
 
     def change(self, candidate: Scene) -> np.ndarray:
         """(h, w): the largest change of a channel of every pixel in `candidate`; infinite where it is not finite."""
-        return self.from_truth(render(candidate, "exact").color)
+        return self.from_truth(render(candidate, "exact", planes=COLOUR).color)
 
     def from_truth(self, color: np.ndarray) -> np.ndarray:
         change = np.abs(color - self.color).max(axis=-1)

@@ -44,6 +44,8 @@ def run(arguments) -> int:
 
     scenes = _scenes(arguments)
     folder = arguments.results or (None if arguments.scene else Path("results"))
+    if folder is not None and (folder / results.FILE).exists():
+        results.read(folder)  # before the work, not after it
     plans, bar = [], Progress(len(scenes))
     for k, scene in enumerate(scenes):
         def show(stage: str, share: float, done=k, name=scene.name):

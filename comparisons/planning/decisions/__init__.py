@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..search import Decision, Search
-from . import cutoff, depth, distance, effects, first_hit, objects, precision, samples
+from . import cutoff, depth, distance, effects, first_hit, objects, precision, samples, shadows
 
 ORDER: tuple[Callable[[Search], list[Decision]], ...] = (
-    objects.decide, effects.decide, cutoff.decide, depth.decide, first_hit.decide, samples.decide, distance.decide,
-    precision.decide)
+    objects.decide, effects.decide, cutoff.decide, depth.decide, shadows.decide, first_hit.decide, samples.decide,
+    distance.decide, precision.decide)

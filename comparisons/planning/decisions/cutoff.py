@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..ladder import cheapest
 from ..search import Decision, Search
 
-LADDER = tuple(10 ** (-k / 4) for k in range(25))  # of cutoffs, 1 to 1e-6
+LADDER = tuple(10 ** (-k / 10) for k in range(51))  # of cutoffs, 1 to 1e-5
 
 
 def decide(search: Search) -> list[Decision]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..ladder import cheapest
-from ..search import Decision, Search
+from ..search import Decision, Search, changing
 
 
 def decide(search: Search) -> list[Decision]:
@@ -18,5 +18,5 @@ def decide(search: Search) -> list[Decision]:
     change = next(t.change for t in trials if t.value == str(found))
     less = next((f"; with {found - 1} by {t.change:.2g}" for t in trials if t.value == str(found - 1)), "")
     return [Decision("recursion depth", str(written), str(found),
-                     f"rays reach generation {used}; with {found} a pixel changes by {change:.2g}{less}",
+                     f"rays reach generation {used}; with {found} {changing(change)}{less}",
                      lambda s: s.traced_with(max_depth=found), trials)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reference_tracer.scene.model import EFFECTS, Scene
 
-from ..search import Decision, Search
+from ..search import Decision, Search, changing
 
 
 def decide(search: Search) -> list[Decision]:
@@ -19,7 +19,7 @@ def _decide(search: Search, effect: str) -> Decision:
         return Decision(effect, "traced", "left out", "the scene has none", change)
     fits = search.holds(f"without {effect}", change)
     trials = search.tried()
-    evidence = f"without it a pixel changes by {trials[-1].change:.2g}"
+    evidence = f"without it {changing(trials[-1].change)}"
     return Decision(effect, "traced", "left out" if fits else "traced", evidence, change if fits else None, trials)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..search import CHEAPER, Decision, Search
+from ..search import CHEAPER, Decision, Search, changing
 
 
 def decide(search: Search) -> list[Decision]:
@@ -13,10 +13,10 @@ def decide(search: Search) -> list[Decision]:
     fits = search.holds("fp32", change)
     trials = search.tried()
     if not fits:
-        return [Decision("precision", written, written, f"in single precision a pixel changes by {trials[0].change:.2g}",
+        return [Decision("precision", written, written, f"in single precision {changing(trials[0].change)}",
                          None, trials)]
     seconds = search.seconds({"fp64": search.scene, "fp32": change(search.scene)})
     evidence = "processor time of a picture: " + ", ".join(f"{name} {1e3 * s:.0f} ms" for name, s in seconds.items())
     if seconds["fp32"] > CHEAPER * seconds["fp64"]:
         return [Decision("precision", written, written, evidence, None, trials)]
-    return [Decision("precision", written, "fp32", f"{evidence}; a pixel changes by {trials[0].change:.2g}", change, trials)]
+    return [Decision("precision", written, "fp32", f"{evidence}; {changing(trials[0].change)}", change, trials)]

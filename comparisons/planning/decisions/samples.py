@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..ladder import cheapest
-from ..search import Decision, Search
+from ..search import Decision, Search, changing
 
 LADDER = tuple(0.5 * 2.0**-k for k in range(14))  # thresholds, 0.5 to 6e-5
 
@@ -25,8 +25,8 @@ def decide(search: Search) -> list[Decision]:
                                             lambda s: s.traced_with(samples=used, adaptive=t)))
     trials = search.tried()
     if found is None and not fewer:
-        return [Decision("samples", written, written, f"fewer change a pixel by {trials[0].change:.2g}", None, trials)]
+        return [Decision("samples", written, written, f"with one {changing(trials[0].change)}", None, trials)]
     threshold = tracing.adaptive if found is None else found
     planned = f"{used} x {used}" + (f" where neighbours differ by {threshold:.2g}" if threshold else "")
-    return [Decision("samples", written, planned, f"with one sample everywhere a pixel changes by {trials[0].change:.2g}",
+    return [Decision("samples", written, planned, f"with one sample everywhere {changing(trials[0].change)}",
                      lambda s: s.traced_with(samples=used, adaptive=threshold), trials)]

@@ -1,0 +1,113 @@
+"""Plans: what is written renders to the tolerance, and a plan that does not is never handed out as proven."""
+
+import json
+
+import numpy as np
+import pytest
+from planning_support import BALL, HEIGHT, WIDTH, corridor, scene
+
+from comparisons.planning import halves, planner, results
+from comparisons.planning.search import Decision
+from comparisons.planning.text import told
+from raytruth.cli import main
+from reference_tracer.errors import InputError
+from reference_tracer.render import render
+from reference_tracer.scene.load import load_scene
+
+TOLERANCE = 1e-3
+
+
+@pytest.fixture(scope="module")
+def planned():
+    return planner.plan(corridor(), TOLERANCE, turns=1)
+
+
+def test_a_planned_scene_renders_to_the_tolerance_on_pixels_held_back(planned, tmp_path):
+    written, plan = corridor(), planned.plan
+    file = tmp_path / "planned.json"
+    file.write_text(json.dumps(plan.planned))
+    scene_ = load_scene(file)
+    assert scene_.name == "small-planned" and "recursion depth" in scene_.description
+    change = np.abs(render(scene_, "exact").color - render(written, "exact").color).max(-1)
+    held_back = ~halves.deciding(written.hash, HEIGHT, WIDTH)
+    assert plan.proof.holds and plan.proof.held_back == held_back.sum() and plan.proof.excused == 0
+    assert plan.proof.largest == pytest.approx(change[held_back].max(), rel=1e-6)
+    assert 0 < change.max() <= TOLERANCE
+    assert np.allclose(planned.change, change, atol=1e-12)
+
+
+def test_what_is_saved_is_told(planned):
+    saved = planned.plan.saved
+    assert saved.rays["planned"] == saved.rays["exact"] * 4 // 9  # generations 0 to 3 of 0 to 8
+    assert {r.method for r in saved.ratios} == {"exact", "paper", "exact, render()"} and all(r.value > 0 for r in saved.ratios)
+    text = told(planned.plan)
+    assert "PROVEN" in text and "recursion depth" in text and "FASTER" in text
+
+
+def test_a_plan_that_fails_its_proof_is_given_up(monkeypatch):
+    """The deciding half sees only the empty left side, and would drop the ball on the right one."""
+    left = np.zeros((HEIGHT, WIDTH), bool)
+    left[:, :WIDTH // 2] = True
+    monkeypatch.setattr(halves, "deciding", lambda *_: left)
+    aside = {"surface": {"type": "sphere", "center": [1.2, 0, 4], "r": 0.5}}
+    other = {"surface": {"type": "sphere", "center": [-9, 0, 4], "r": 0.5}}
+    written = scene(aside, other, lights=[(0, 0, 0)])
+    plan = planner.plan(written, TOLERANCE, turns=1).plan
+    assert plan.attempts == 3 and plan.margin == 0 and not plan.decisions  # as written, twice warned
+    assert plan.proof.holds and len(plan.planned["objects"]) == 2
+
+
+def test_decisions_are_withdrawn_if_together_they_exceed_the_tolerance(planned):
+    from comparisons.planning.yardstick import Yardstick
+
+    written = corridor()
+    fine = Decision("cutoff", "0", "1e-5", "", lambda s: s.traced_with(cutoff=1e-5))
+    coarse = Decision("recursion depth", "8", "0", "", lambda s: s.traced_with(max_depth=0))
+    planner._withdraw(written, Yardstick(written, TOLERANCE), np.ones((HEIGHT, WIDTH), bool), 0.9, [fine, coarse])
+    assert coarse.withdrawn and not fine.withdrawn
+    assert not coarse.record().changed and coarse.record().planned == "8"
+
+
+def test_a_large_picture_is_searched_on_a_smaller_one():
+    small = planner.fitted(scene(BALL).resized(4000, 3000, samples=4))
+    rays = small.camera.width * small.camera.height * 16
+    assert 0.9 * planner.MOST_SEARCHED < rays <= planner.MOST_SEARCHED
+    assert planner.fitted(scene(BALL)) == scene(BALL)
+
+
+def test_plans_of_several_scenes_share_a_document(planned, tmp_path):
+    other = planned.plan.model_copy(update={"scene": "another"})
+    for plan in (planned.plan, other, planned.plan):
+        results.add(plan, planned.color, planned.change, tmp_path)
+    document = results.read(tmp_path)
+    assert [p.scene for p in document.plans] == ["another", "small"]
+    with np.load(tmp_path / document.plans[1].planes) as planes:
+        assert planes["color"].shape == (HEIGHT, WIDTH, 3) and planes["change"].max() <= TOLERANCE
+    (tmp_path / results.FILE).write_text("{}")
+    with pytest.raises(InputError, match="raytruth plan"):
+        results.read(tmp_path)
+
+
+def test_the_command_writes_a_scene_and_a_document(tmp_path, capsys):
+    file, output = tmp_path / "small.json", tmp_path / "planned.json"
+    file.write_text(scene(BALL).model_dump_json(by_alias=True, exclude_none=True))
+    assert main(["plan", str(file), "-o", str(output), "--results", str(tmp_path / "results")]) == 0
+    out = capsys.readouterr().out
+    assert "PROVEN" in out and "small, 32 x 24" in out
+    assert load_scene(output).name == "small-planned"
+    assert results.read(tmp_path / "results").plans[0].planned == json.loads(output.read_text())
+
+
+@pytest.mark.parametrize("arguments, says", [
+    (["figure-05-sphere", "--tolerance", "0"], "tolerance"),
+    (["figure-05-sphere", "--tolerance", "nan"], "tolerance"),
+    (["figure-05-sphere", "--limit", "0"], "limit"),
+    (["figure-05-sphere", "-o", "planned.png"], "planned.png"),
+    (["figure-05-sphere", "figure-07-torus", "-o", "planned.json"], "output"),
+    (["no-such-scene"], "no-such-scene"),
+    (["figure-05-sphere", "--size", "999999x10"], "size"),
+])
+def test_bad_input_gets_one_sentence(arguments, says, capsys):
+    assert main(["plan", *arguments]) == 2
+    error = capsys.readouterr().err.strip()
+    assert says in error and "\n" not in error and error.startswith("raytruth: ")
