@@ -25,14 +25,16 @@ MOST_RAYS = 1 << 19
 
 
 def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: float | None = None,
-           share: float = 1.0, offset: float = OFFSET, repeat: bool = True) -> Picture:
+           share: float = 1.0, offset: float = OFFSET, refined: bool = False, repeat: bool = True) -> Picture:
     """The picture of `scene` on Mitsuba's geometry; see `converters.mitsuba.convert` for the options.
+
+    `refined` moves hits on meshes onto f; see `converters.mitsuba.refine` for what that leaves to compare.
 
     The metadata keeps apart the seconds to build the scene, to trace it first (kernels are compiled then) and, if
     that was quick and `repeat`, to trace it again. Raises InputError for impossible meshes.
     """
     converted = convert(scene, shapes, resolution, error, share)
-    tracer = _Tracer(scene, converted, offset)
+    tracer = _Tracer(scene, converted, offset, refined)
     planes, rays, first, cpu = _timed(tracer)
     warm = _timed(tracer)[2] if repeat and first < LONG else None
     camera = scene.camera
@@ -41,6 +43,7 @@ def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: 
     picture.metadata = {
         "scene": scene.name, "scene_hash": scene.hash, "renderer": "mitsuba", "mitsuba": mi.__version__,
         "precision": 32, "shapes": shapes, "resolution": resolution if error is None else None, "mesh_error": error,
+        "refined": refined,
         "native_shapes": sum(p.kind == "native" for p in converted.parts),
         "grids": sum(p.kind == "sdfgrid" for p in converted.parts),
         "triangles": converted.triangles, "measured_mesh_error": max(p.error for p in converted.parts),
@@ -71,8 +74,9 @@ class _Rays:
 class _Tracer:
     """A scene bound to its conversion."""
 
-    def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET):
-        self.document, self.converted, self.crossings = scene, converted, Crossings(scene, converted, offset)
+    def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET, refined: bool = False):
+        self.document, self.converted = scene, converted
+        self.crossings = Crossings(scene, converted, offset, refined)
         materials = [o.material for o in scene.objects]
         column = lambda values: mi.Float([float(v) for v in values] or [0.0])  # an empty one cannot be read, even never
         self.color = [column(m.color[k] for m in materials) for k in range(3)]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from reference_tracer.rays import Sides
 from reference_tracer.scene.model import Scene
 
+from .refine import Refinement
 from .scene import MitsubaScene
 from .variant import dr, mi
 
@@ -41,11 +42,13 @@ def spawn(p, facet, d, offset: float = OFFSET):
 class Crossings:
     """The queries of a tracer on a converted scene, for arrays of rays."""
 
-    def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET):
+    def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET, refined: bool = False):
         self.scene, self.offset = converted.scene, offset
         self.index_of_shape = mi.UInt32(converted.index_of_shape)
         self.transparency = mi.Float([o.material.transparency for o in scene.objects])
         self.max_distance = dr.opaque(mi.Float, scene.tracing.max_distance)
+        meshes = {k: part.error for k, part in enumerate(converted.parts) if part.kind == "mesh"}
+        self.refinement = Refinement(scene.objects, meshes) if refined else None
 
     def _meet(self, o, d, limit, sides: Sides, active):
         """Mitsuba's next intersection, its place, whether there is one, its object, and whether it can be a crossing.
@@ -59,9 +62,17 @@ class Crossings:
         leaving = dr.dot(d, si.n) > 0
         return si, dr.fma(d, si.t, o), found, index, found & ~(leaving ^ sides.test(index))
 
-    @dr.syntax
     def first_hit(self, o, d, sides: Sides, active) -> Hit:
         """The first crossing of each ray with any object within max_distance (decision M5)."""
+        hit = self._first_hit(o, d, sides, active)
+        if self.refinement:
+            hit.t, hit.p, hit.normal = self.refinement.refined(o, d, hit.t, hit.normal, hit.index, hit.met)
+        hit.normal = dr.select(dr.dot(d, hit.normal) > 0, -hit.normal, hit.normal)
+        return hit
+
+    @dr.syntax
+    def _first_hit(self, o, d, sides: Sides, active) -> Hit:
+        """The same as Mitsuba has it, the normal out of the solid."""
         origin, passed, tries = mi.Point3f(o), mi.Float(0), mi.UInt32(0)
         t, p, facet, normal = mi.Float(dr.inf), mi.Point3f(o), mi.Vector3f(0), mi.Vector3f(0)
         index, met, searching = mi.UInt32(0), mi.Bool(False), mi.Bool(active)
@@ -78,7 +89,6 @@ class Crossings:
             tries += 1
             searching = found & ~crossing & (tries < MOST_REFUSED)
         lost = active & ~met & (tries >= MOST_REFUSED)
-        normal = dr.select(dr.dot(d, normal) > 0, -normal, normal)
         return Hit(t, p, facet, normal, index, met, lost)
 
     @dr.syntax
