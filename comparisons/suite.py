@@ -18,7 +18,8 @@ from reference_tracer.scene.model import Scene
 from . import effects, metrics, studies
 from .agreement import matrix, records, tightness
 from .attribution.explain import LARGEST, explained
-from .gate import judge, tolerance_of
+from .excused import excused
+from .gate import excuses, judge, largest_difference, tolerance_of
 from .machine import machine
 from .process import Worker
 from .progress import Progress
@@ -26,7 +27,7 @@ from .results import Comparison, Results, Run, SceneRecord, Verdict, read, write
 from .runs import Request, RunStore
 
 TRUTH = "exact"
-COMPARED = ("paper", "mitsuba-native", "mitsuba-mesh", "embree")
+COMPARED = ("paper", "mitsuba-native", "mitsuba-mesh", "embree", "povray")
 SECONDS_PER_RUN = 300.0
 
 
@@ -142,7 +143,8 @@ def _compared(scene: Scene, truth: Run, test: Run, store: RunStore) -> Compariso
     if test.renderer == "paper":
         verdict, reason, gates = *_of_the_literal_method(measured, scene), []
     else:
-        verdict, reason, gates = judge(measured, tolerance_of(test))
+        limit = largest_difference(test)
+        verdict, reason, gates = judge(measured, tolerance_of(test), excuses(measured, limit) if limit else ())
     return Comparison(**about, verdict=verdict, reason=reason, gates=gates, metrics=measured, worst=worst)
 
 
@@ -156,6 +158,8 @@ def _measured(scene: Scene, truth: Run, test: Run, store: RunStore):
         pass
     a, b = store.planes(truth, scene), store.planes(test, scene)
     measured = {**metrics.geometry(a, b), **metrics.picture(a, b)}
+    if limit := largest_difference(test):
+        measured |= excused(scene, a, b, limit, test.facts["precision"], store.folder, SECONDS_PER_RUN)
     worst = metrics.worst_pixels(metrics.pixel_error(a["color"], b["color"]))
     kept.parent.mkdir(exist_ok=True)
     part = kept.with_suffix(".part")

@@ -34,6 +34,8 @@ RENDERERS = {r.name: r for r in (
     Renderer("mitsuba-mesh", "Mitsuba 3, meshes", "mitsuba", {"shapes": "mesh", "resolution": 256}),
     Renderer("mitsuba-sdfgrid", "Mitsuba 3, grids", "mitsuba", {"shapes": "sdfgrid", "resolution": 128}),
     Renderer("embree", "Embree, meshes", "embree", {"resolution": 256}),
+    Renderer("povray", "POV-Ray 3.7, its own primitives", "povray", {"shapes": "native", "accuracy": 1e-8}),
+    Renderer("povray-isosurface", "POV-Ray 3.7, isosurfaces", "povray", {"shapes": "isosurface", "accuracy": 1e-8}),
 )}
 
 

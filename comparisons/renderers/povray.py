@@ -47,7 +47,7 @@ def render(scene: Scene, *, shapes: str = "native", accuracy: float = 1e-8, plan
 
 def _precision(converted: Conversion) -> int:
     """The bits of the numbers that rays go by: indices of refraction are fp32, and isosurfaces not much better."""
-    bent = any(o.material.transparency and o.material.refractive_index != 1 for o in converted.scene.objects)
+    bent = any(o.material.transparency for o in converted.scene.objects)
     return 32 if bent or converted.containers else 64
 
 
