@@ -86,6 +86,8 @@ def render(scene, *, way: str, note: str = "") -> Picture:
             _put_in_its_place(way)
         case "nan":
             picture.color[:] = np.nan
+        case "dim":
+            picture.color *= 0.9
         case "wrong size":
             return trace(scene.resized(5, 3), "exact")
         case "wrong plane":
@@ -121,6 +123,6 @@ if __name__ == "__main__":
     from comparisons import renderers, worker
 
     sys.modules["comparisons.renderers.misbehaving"] = sys.modules["__main__"]
-    for known in WAYS:
+    for known in (*WAYS, "dim"):
         renderers.RENDERERS[known] = renderers.Renderer(known, f"the renderer with {known}", "misbehaving", {"way": known})
     worker.main()
