@@ -16,19 +16,26 @@ class Tolerance:
     because: str
     depth_p99: float  # relative
     color_p99: float
-    failing_share: float  # of all pixels: edges seen directly, in mirrors and through glass fall on other pixels
-    clustered_share: float  # of all pixels: whole neighbourhoods that fail are no edges
-    mismatch_share: float  # of all pixels: hit/miss or object, at silhouettes
+    # of all pixels of a picture of AT_SIZE; edges are lines, so that their pixels grow with its side, not with its area
+    failing_share: float  # edges seen directly, in mirrors and through glass fall on other pixels
+    clustered_share: float  # whole neighbourhoods that fail are no edges
+    mismatch_share: float  # hit/miss or object, at silhouettes
+
+    @staticmethod
+    def allowed(share: float, pixels: int) -> int:
+        """A share as a number of pixels, in a picture of that many."""
+        return round(share * (pixels * AT_SIZE) ** 0.5)
 
 
-NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by 1e-6",
-                   depth_p99=5e-6, color_p99=5e-6, failing_share=2e-3, clustered_share=1e-4, mismatch_share=2e-3)
+AT_SIZE = 640 * 480
+NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by a unit of it",
+                   depth_p99=5e-7, color_p99=2e-6, failing_share=2e-4, clustered_share=1e-5, mismatch_share=2e-4)
 MESH = Tolerance("meshes", "surfaces replaced by triangles, error falling with the square of the resolution",
-                 depth_p99=1e-4, color_p99=1e-3, failing_share=1e-2, clustered_share=1e-3, mismatch_share=5e-3)
+                 depth_p99=1e-4, color_p99=1e-3, failing_share=2e-3, clustered_share=1e-5, mismatch_share=2.5e-4)
 GRID = Tolerance("grids", "f replaced by its trilinear interpolation, error falling with the square of the cells",
                  depth_p99=3e-4, color_p99=1e-2, failing_share=3e-2, clustered_share=2e-3, mismatch_share=5e-3)
 TRACERS = Tolerance("two tracers of one mesh", "the triangles are the same; what is left is single precision",
-                    depth_p99=1e-6, color_p99=5e-5, failing_share=1e-3, clustered_share=1e-4, mismatch_share=1e-3)
+                    depth_p99=5e-7, color_p99=3e-5, failing_share=4e-4, clustered_share=1e-5, mismatch_share=2.5e-4)
 ORACLE = Tolerance("POV-Ray", "double precision, colours of 16 bits",
                    depth_p99=1e-10, color_p99=2e-5, failing_share=5e-4, clustered_share=0, mismatch_share=5e-4)
 DOUBLE = Tolerance("double precision", "the same model in double precision",
@@ -46,7 +53,8 @@ def tolerance_of(run: Run) -> Tolerance:
         return ORACLE
     if run.facts.get("grids"):
         return GRID
-    return MESH if run.facts.get("triangles") else NATIVE
+    # hits on triangles may have been moved onto the surface they stand for
+    return MESH if run.facts.get("triangles") and not run.facts.get("refined") else NATIVE
 
 
 def between(first: Run, second: Run) -> Tolerance:
@@ -93,16 +101,16 @@ def judge(metrics: dict[str, float | int | None], tolerance: Tolerance,
         _gate("not finite", metrics["not finite"], 0, "pixels", "pixels whose colour is NaN or infinite on either side"),
         _gate("interior mismatches", metrics["interior mismatches"], 0, "pixels",
               "pixels away from silhouettes where another object, or none, was hit"),
-        _gate("object mismatches", metrics["object mismatches"], round(tolerance.mismatch_share * pixels), "pixels",
+        _gate("object mismatches", metrics["object mismatches"], tolerance.allowed(tolerance.mismatch_share, pixels), "pixels",
               "pixels where another object, or none, was hit; silhouettes included"),
         _gate("depth p99", metrics["depth p99"], tolerance.depth_p99, "relative",
               "99 % of interior pixels have a smaller relative error of depth"),
         _gate("color p99", metrics["color p99"], tolerance.color_p99, "linear",
               "99 % of all pixels have a smaller error of colour"),
-        _gate("failing pixels", metrics["failing pixels"], round(tolerance.failing_share * pixels), "pixels",
+        _gate("failing pixels", metrics["failing pixels"], tolerance.allowed(tolerance.failing_share, pixels), "pixels",
               "pixels off by more than one step of an 8-bit picture"),
-        _gate("clustered failing pixels", metrics["clustered failing pixels"], round(tolerance.clustered_share * pixels),
-              "pixels", "failing pixels whose eight neighbours fail too: a region is wrong, not an edge"),
+        _gate("clustered failing pixels", metrics["clustered failing pixels"],
+              tolerance.allowed(tolerance.clustered_share, pixels), "pixels", "failing pixels whose eight neighbours fail too: a region is wrong, not an edge"),
     ]
     broken = [gate for gate in gates if not gate.holds]
     if broken:

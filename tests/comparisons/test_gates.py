@@ -55,7 +55,7 @@ def test_a_hole_of_nine_pixels_differs(planes):
     hole["index"][31:34, 31:34] = -1
     hole["t"][31:34, 31:34] = np.inf
     hole["color"][31:34, 31:34] = 0
-    assert broken(planes, hole, MESH) == {"interior mismatches"}
+    assert broken(planes, hole, MESH) == {"interior mismatches", "clustered failing pixels"}
 
 
 def test_red_two_percent_brighter_differs(planes):
