@@ -44,7 +44,7 @@ class Held:
 
 
 COARSE = Worse("meshes of 128 cells instead of 256", "mitsuba-mesh", {"resolution": 128})
-STARTS = "rays that start 9e-5 off their surface, as Mitsuba’s own do, instead of 1e-6"
+STARTS = "rays that start 9e-5 off their surface, as Mitsuba’s own do, instead of 1e-7"
 HELD = (
     Held("exact", (Worse("single precision instead of double", "exact", {"precision": 32}),)),
     Held("mitsuba-native", (Worse(STARTS, "mitsuba-native", OWN_OFFSET),

@@ -32,6 +32,8 @@ RENDERERS = {r.name: r for r in (
     Renderer("paper", "reference, the document's literal method", "reference", {"method": "paper"}),
     Renderer("mitsuba-native", "Mitsuba 3, native shapes", "mitsuba", {"shapes": "native", "resolution": 256}),
     Renderer("mitsuba-mesh", "Mitsuba 3, meshes", "mitsuba", {"shapes": "mesh", "resolution": 256}),
+    Renderer("mitsuba-refined", "Mitsuba 3, hits moved onto f", "mitsuba",
+             {"shapes": "native", "resolution": 256, "refined": True}),
     Renderer("mitsuba-sdfgrid", "Mitsuba 3, grids", "mitsuba", {"shapes": "sdfgrid", "resolution": 128}),
     Renderer("embree", "Embree, meshes", "embree", {"resolution": 256}),
     Renderer("povray", "POV-Ray 3.7, its own primitives", "povray", {"shapes": "native", "accuracy": 1e-8}),

@@ -16,7 +16,7 @@ from .refine import Refinement
 from .scene import MitsubaScene
 from .variant import dr, mi
 
-OFFSET = 1e-6  # relative to 1 + the largest coordinate; Mitsuba's own, 9e-5, would dominate every error
+OFFSET = 1.2e-7  # of 1 + the largest coordinate: a unit of fp32; Mitsuba's own, 9e-5, would dominate every error
 MOST_REFUSED = 64  # hits on the wrong side in a row; beyond, the ray is undecided
 MOST_CROSSINGS = 4096  # of one shadow ray
 

@@ -216,7 +216,7 @@ def test_finds_a_picture_upside_down(scene_of):
 
 
 def test_an_offset_like_mitsubas_own_would_dominate(scene_of):
-    """Why rays start 1e-6 off a surface: 9e-5 costs ten times the accuracy."""
+    """Why rays start 1e-7 off a surface: 9e-5 costs ten times the accuracy."""
     scene = mirror_and_glass(scene_of)
     exact = render(scene, "exact")
     fine = np.quantile(differences(render_mitsuba(scene, shapes="native", repeat=False), exact), 0.99)
