@@ -29,7 +29,7 @@ def _answer(request: dict) -> dict:
         planes = [{**vars(p), "camera": np.array(scene.camera.position)} for p in pictures]
         measured = {**geometry(*planes), **picture(*planes)}
         facts = {k: v for k, v in pictures[0].metadata.items() if isinstance(v, (bool, int, float, str))}
-        run = Run(key="", scene=scene.name, renderer=request["a"], state="ok", facts=facts, command="")
+        run = Run(key="", scene=scene.name, renderer=request["a"], title=a.title, state="ok", facts=facts, command="")
         verdict, reason, _ = judge(measured, tolerance_of(run))
         found = verdict == "differs"
     judged = Judged(found=found, reason=reason, attribution=attribute(scene, a, b))

