@@ -16,6 +16,7 @@ import numpy as np
 
 from .backend import Backend
 from .bounds import Ball, bounding_ball
+from .clusters import SIZE, cluster_balls, spatial_order
 from .first_hit import LocalRay, Solid
 from .numbers import Dual
 from .placement import rotation_matrix
@@ -57,16 +58,20 @@ class Family:
     def __init__(self, arrays: Backend, indices: list[int], objects: list[Object], method):
         surface = objects[0].surface
         self.arrays, self.method = arrays, method
+        self.bounded = all(o.surface.box() is not None for o in objects)
+        self.clustered = self.bounded and len(objects) > MOST_UNROLLED
+        if self.clustered:
+            order = spatial_order(np.array([o.surface.center for o in objects]))
+            indices, objects = [indices[k] for k in order], [objects[k] for k in order]
         self.indices = indices
         self.forms = surface.function, surface.regular_form, surface.polynomial_form
         self.parameters = tuple(surface.parameters)
         self.rotated = any(o.rotation is not None for o in objects)
-        self.bounded = all(o.surface.box() is not None for o in objects)
         self.casts_shadow = objects[0].shadow  # like those of the others
         self.flipped = any(o.surface.inside == "positive" for o in objects)
 
         # a ball that a ray misses spares what costs more than to ask: a search, or the reading of a row
-        self.asks_bounds = self.bounded and not (method.closed_form and len(objects) <= MOST_UNROLLED)
+        self.asks_bounds = self.bounded and not (method.closed_form and not self.clustered)
         self.rows = [self._row(o) for o in objects]
         self.width = len(self.rows[0])
         self.table = arrays.Float(np.array(self.rows, dtype=float).ravel().tolist())
@@ -114,7 +119,7 @@ class Family:
     @property
     def variables(self) -> list:
         """All arrays that kernels read of the family."""
-        return [self.table, self.index_of_row, self.count, self._scalars, self.method.variables]
+        return [self.table, self.index_of_row, self.count, self._scalars, self._clusters, self.method.variables]
 
     def _member(self, number: Callable, index) -> Member:
         """The member whose numbers, in the order of `_row`, are what `number` returns one by one."""
@@ -136,12 +141,37 @@ class Family:
         solid = Solid(*map(signed, self.forms), box, far_inside)
         return Member(index, center, rotation, solid, Ball(center, radius) if self.bounded else None)
 
-    def fold(self, step: Callable[..., tuple], state: tuple) -> tuple:
-        """`state = step(member, *state)` for every member in turn; what is returned is the last state."""
+    @cached_property
+    def _clusters(self):
+        """The balls around SIZE rows each, as a table (Float) of four columns."""
+        rows = np.array(self.rows) if self.clustered else np.zeros((0, self.width))
+        radius = self.width - (2 if self.flipped else 1)  # see _row
+        table = self.arrays.Float(cluster_balls(rows[:, :3], rows[:, radius]).ravel().tolist() or [0.0])
+        dr.make_opaque(table)
+        return table
+
+    def fold(self, step: Callable[..., tuple], state: tuple, worth: Callable[..., object]) -> tuple:
+        """`state = step(member, *state)` for every member in turn; what is returned is the last state.
+
+        Members are left out of lanes where `worth(ball, *state)` is false for a ball that holds them.
+        """
+        asked = lambda member, *state: step(member, *state) if not self.asks_bounds else dr.if_stmt(
+            state, worth(member.ball, *state), lambda *state: step(member, *state), lambda *state: state)
         if len(self.rows) <= MOST_UNROLLED:
             for member in self._members:
-                state = step(member, *state)
+                state = asked(member, *state)
             return state
-        more = lambda j, *state: j < self.count
-        body = lambda j, *state: (j + 1, *step(self.member(j), *state))
-        return dr.while_loop((self.arrays.UInt(0), *state), more, body)[1:]
+        from_row = lambda start, stop, state: dr.while_loop(
+            (self.arrays.UInt(start), *state), lambda j, *state: j < stop,
+            lambda j, *state: (j + 1, *asked(self.member(j), *state)))[1:]
+        if not self.clustered:
+            return from_row(0, self.count, state)
+
+        def cluster(start, *state):
+            number = lambda k: dr.gather(self.arrays.Float, self._clusters, start // SIZE * 4 + k)
+            ball = Ball(self.arrays.Vector(number(0), number(1), number(2)), number(3))
+            stop = dr.minimum(start + SIZE, self.count)
+            return start + SIZE, *dr.if_stmt(state, worth(ball, *state), lambda *state: from_row(start, stop, state),
+                                             lambda *state: state)
+
+        return dr.while_loop((self.arrays.UInt(0), *state), lambda start, *state: start < self.count, cluster)[1:]

@@ -163,20 +163,14 @@ class World:
 
     def _nearest_of(self, family: Family, ray: Ray, hit: Hit) -> Hit:
         def step(member: Member, t, order, index, undecided):
-            inside = ray.sides.test(member.index)
+            c = family.method.first(member.solid, member.local(ray.o, ray.d), ray.sides.test(member.index), order)
+            closer = c.found & ((c.order < order) | ((c.order == order) & (c.t < t)))
+            return (dr.select(closer, c.t, t), dr.select(closer, c.order, order),
+                    dr.select(closer, member.index, index), undecided | c.undecided)
 
-            def test(t, order, index, undecided):
-                c = family.method.first(member.solid, member.local(ray.o, ray.d), inside, order)
-                closer = c.found & ((c.order < order) | ((c.order == order) & (c.t < t)))
-                return (dr.select(closer, c.t, t), dr.select(closer, c.order, order),
-                        dr.select(closer, member.index, index), undecided | c.undecided)
-
-            if not family.asks_bounds:
-                return test(t, order, index, undecided)
-            worth = (inside != member.solid.far_inside) | member.ball.may_meet(ray.o, ray.d, order)
-            return dr.if_stmt((t, order, index, undecided), worth, test, lambda *unchanged: unchanged)
-
-        return Hit(*family.fold(step, (hit.t, hit.order, hit.index, hit.undecided)))
+        # the ray from within a solid starts within its ball: none is left out
+        return Hit(*family.fold(step, (hit.t, hit.order, hit.index, hit.undecided),
+                                lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order)))
 
     def normal(self, point, index, active):
         """grad f at `point` of object `index`, normalised; not yet turned against the ray."""
@@ -203,29 +197,24 @@ class World:
 
     def _light_through_family(self, family: Family, ray: Ray, distance, intensity, undecided):
         def step(member: Member, intensity, undecided):
-            inside = ray.sides.test(member.index)
+            # light that is gone already needs no more tests
+            return dr.if_stmt((intensity, undecided), intensity > 0,
+                              lambda i, u: self._dimmed_by(family, member, ray, distance, i, u), lambda *state: state)
 
-            def test(intensity, undecided):
-                left, unsure = self._dimmed_by(family, member, ray, inside, distance, intensity)
-                return left, undecided | unsure
+        return family.fold(step, (intensity, undecided),
+                           lambda ball, intensity, _: (intensity > 0) & ball.may_meet(ray.o, ray.d, distance))
 
-            worth = intensity > 0  # light that is gone already needs no more tests
-            if family.asks_bounds:
-                worth &= (inside != member.solid.far_inside) | member.ball.may_meet(ray.o, ray.d, distance)
-            return dr.if_stmt((intensity, undecided), worth, test, lambda *unchanged: unchanged)
-
-        return family.fold(step, (intensity, undecided))
-
-    def _dimmed_by(self, family: Family, member: Member, ray: Ray, inside, distance, intensity):
+    def _dimmed_by(self, family: Family, member: Member, ray: Ray, distance, intensity, undecided):
         if self.transparent:
             transparency = dr.gather(self.arrays.Float, self._material_columns[2], member.index)
             opaque = transparency == 0
         else:
             opaque = self.arrays.Bool(True)
-        count, unsure = family.method.crossings(member.solid, member.local(ray.o, ray.d), inside, distance, opaque)
-        if self.transparent:
-            return _multiply_repeatedly(intensity, transparency, count), unsure
-        return dr.select(count > 0, 0, intensity), unsure
+        count, unsure = family.method.crossings(member.solid, member.local(ray.o, ray.d),
+                                                ray.sides.test(member.index), distance, opaque)
+        left = (_multiply_repeatedly(intensity, transparency, count) if self.transparent
+                else dr.select(count > 0, 0, intensity))
+        return left, undecided | unsure
 
 
 @dr.syntax

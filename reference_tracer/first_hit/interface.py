@@ -61,8 +61,8 @@ class Solid:
         if self.box is not None:
             low, high = self.box
             for k in range(3):
-                d = dr.select(dr.abs(ray.d[k]) < 1e-30, 1e-30, ray.d[k])  # parallel to the slab
-                near, far = (low[k] - ray.o[k]) / d, (high[k] - ray.o[k]) / d
+                per_d = 1 / dr.select(dr.abs(ray.d[k]) < 1e-30, 1e-30, ray.d[k])  # parallel to the slab
+                near, far = (low[k] - ray.o[k]) * per_d, (high[k] - ray.o[k]) * per_d
                 t0 = dr.maximum(t0, dr.minimum(near, far))
                 t1 = dr.minimum(t1, dr.maximum(near, far))
         return t0, t1

@@ -6,7 +6,7 @@ import drjit as dr
 
 from ..numbers import Interval
 from .interface import LocalRay, Solid
-from .segments import Scan, SegmentMethod
+from .segments import Scan, SegmentMethod, beyond_origin
 
 NARROWEST = 2.0**10  # units of rounding; the relative width below which a segment is not divided any more
 MOST_SEGMENTS = 20_000
@@ -67,6 +67,7 @@ class IntervalMethod(SegmentMethod):
             w = dr.select(moves, 2 * w, dr.select(stays, w, 0.5 * w))
             active = ~stays & ~(narrow & ~known) & (t < stop) & (segments < MOST_SEGMENTS)
         undecided |= segments >= MOST_SEGMENTS
+        guess = beyond_origin(guess, t, end, t == 0)
         return Scan(t, end, guess, count, undecided, segments)
 
     def _end_of_segment(self, solid: Solid, ray: LocalRay, end):

@@ -6,15 +6,16 @@ import drjit as dr
 
 
 @dr.syntax
-def safeguarded_newton(slope_at, low, high, inside, active, guess, most: int = 80):
+def safeguarded_newton(slope_at, low, high, inside, active, guess, tolerance: float | None = None,
+                       most: int = 80):
     """The root in [low, high] of a function that is on side `inside` at low and on the other at high.
 
     Starts at `guess`, or in the middle where that is not within. Newton's step where it stays inside the bracket and at least halves the previous one, bisection elsewhere
-    (rtsafe in Press et al., Numerical Recipes). Stops when a step is below 8 units of rounding of
-    max(1, |t|) (decision M6), not earlier: a small step is a sign of a small error only near a simple root.
+    (rtsafe in Press et al., Numerical Recipes). Stops when a step is below `tolerance` max(1, |t|), 8 units of
+    rounding if not given (decision M6), not earlier: a small step is a sign of a small error only near a simple root.
     Returns t and the number of iterations. `slope_at(t)` gives g(t) and g'(t).
     """
-    tolerance = 8 * dr.epsilon(type(low))
+    tolerance = tolerance or 8 * dr.epsilon(type(low))
     t = dr.select((guess > low) & (guess < high), guess, 0.5 * (low + high))
     low, high = type(t)(low), type(t)(high)
     last_step = high - low

@@ -17,10 +17,15 @@ class Scan:
 
     t: object  # Float, start of the bracket
     end: object  # Float, end of the bracket
-    guess: object  # Float, where the line through g at both ends is zero
+    guess: object  # Float, about where the crossing is; NaN where nothing is known of it
     count: object  # UInt, crossings found
     undecided: object  # Bool
     segments: object  # UInt, segments looked at
+
+
+def beyond_origin(guess, low, high, at_origin):
+    """`guess`, but NaN close to the ray's origin: there lies the surface it may just have left, and signs are noise."""
+    return dr.select(~at_origin | (guess > low + (high - low) / 16), guess, dr.nan)
 
 
 class SegmentMethod:
@@ -42,7 +47,7 @@ class SegmentMethod:
                                            found, scan.guess)
         # where f is still zero a good way behind the root it has underflowed: its sign says nothing
         step = math.sqrt(dr.epsilon(type(t))) * dr.maximum(1, dr.abs(t))
-        flat = found & (solid.regular(*ray.at(t + step)) == 0)
+        flat = dr.if_stmt((), found, lambda: solid.regular(*ray.at(t + step)) == 0, lambda: dr.mask_t(t)(False))
         return Crossing(found, t, t, scan.undecided | flat, self.evaluations * scan.segments + 2 * iterations + 1)
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):

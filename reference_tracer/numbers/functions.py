@@ -10,7 +10,7 @@ import math
 import drjit as dr
 import numpy as np
 
-__all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "minimum", "maximum", "select",
+__all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "minimum", "maximum", "select", "fma",
            "where_larger"]
 
 
@@ -63,6 +63,12 @@ def select(condition, if_true, if_false):
     if isinstance(condition, (bool, np.bool_)):
         return if_true if condition else if_false
     return np.where(condition, if_true, if_false)
+
+
+def fma(a, b, c):
+    """a b + c for any number types; rounded once where all three are floats and arrays of Dr.Jit."""
+    fused = all(dr.is_array_v(v) or isinstance(v, (int, float)) for v in (a, b, c)) and any(map(dr.is_array_v, (a, b, c)))
+    return dr.fma(a, b, c) if fused else a * b + c
 
 
 def _extremum(name: str, on_drjit, on_numpy):

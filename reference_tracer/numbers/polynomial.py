@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from . import functions as fn
+
 HIGHEST_DEGREE = 64
 
 
@@ -63,8 +65,7 @@ class Polynomial:
         product: list = [None] * (len(self.c) + len(other.c) - 1)
         for i, a in enumerate(self.c):
             for j, b in enumerate(other.c):
-                term = a * b
-                product[i + j] = term if product[i + j] is None else product[i + j] + term
+                product[i + j] = a * b if product[i + j] is None else fn.fma(a, b, product[i + j])
         return Polynomial(tuple(product))
 
     __rmul__ = __mul__

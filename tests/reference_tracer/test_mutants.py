@@ -80,8 +80,8 @@ MUTANTS = {
         "dr.floor(known / self.step_size) - 1", "known / self.step_size",
         decisions.test_M2_samples_lie_at_multiples_of_the_step_counted_from_one),
     "M2 side read off f": Mutant(
-        "inside = ray.sides.test(member.index)\n\n            def test(t,",
-        "inside = member.solid.inside_at(member.local(ray.o, ray.d), 0.0)\n\n            def test(t,",
+        "ray.sides.test(member.index), order)",
+        "member.solid.inside_at(member.local(ray.o, ray.d), 0.0), order)",
         decisions.test_M2_the_side_at_the_start_is_told_and_not_read_off_f, ("exact",)),
     "M3 refraction keeps its side": Mutant(
         "self.words[0] ^ (bits(1) << bit)", "self.words[0]",
