@@ -69,12 +69,14 @@ class Speed:
         count = lambda p: p.evaluations
         wrong = lambda p: p.accuracy.wrong
         share = f"wrong pixels of {parts(subject.pixels).text}"
-        whole, alone = f"{self.time} of a whole picture, ms", f"{self.time} of the camera rays’ first hits alone, ms"
+        whole, of_hits = (f"{self.time} of {what}, ms" for what in ("a whole picture", "the camera rays’ first hits alone"))
         u = subject.uncertainty
 
-        def made(kind: str, title: str, x_label: str, y_label: str, cost, error, nothing=0.0, zero="none") -> Scatter:
+        def made(kind: str, title: str, x_label: str, y_label: str, cost, error, nothing=0.0, zero="none",
+                 alone=False) -> Scatter:
+            series = [s for s in subject.series if not alone or s.kind != "converter"]
             return scatter(f"{anchor}-{kind}", f"{subject.title}: {title}", x_label, y_label,
-                           self._rows(subject, cost, error), nothing=nothing, zero_label=zero)
+                           self._rows(series, cost, error), nothing=nothing, zero_label=zero)
 
         if not any(p.accuracy for s in subject.series for p in s.points):
             charts: tuple[Scatter, ...] = ()
@@ -82,8 +84,9 @@ class Speed:
             rounding = "≤ rounding"
             charts = (
                 made("wrong", "wrong pixels", whole, share, picture, wrong),
-                made("hits", "wrong pixels, first hits alone", alone, share, hits, wrong),
-                made("evaluations", "wrong pixels, evaluations of f", "evaluations of f, a camera ray", share, count, wrong),
+                made("hits", "wrong pixels, first hits alone", of_hits, share, hits, wrong, alone=True),
+                made("evaluations", "wrong pixels, evaluations of f", "evaluations of f, a camera ray", share, count, wrong,
+                     alone=True),
                 made("color", "colour", whole, "error of colour, 99th percentile", picture,
                      lambda p: p.accuracy.color_p99, u.color_p99, rounding),
                 made("depth", "depth", whole, "error of depth, 99th percentile", picture,
@@ -98,10 +101,10 @@ class Speed:
         return SubjectView(subject, f"speed/{slug(subject.id)}.html", charts[0] if charts else None, charts, entries,
                            tuple(subject.findings), subject.findings[0] if subject.findings else "")
 
-    def _rows(self, subject: Subject, cost: Callable, error: Callable) -> list[Row]:
+    def _rows(self, series: list[Series], cost: Callable, error: Callable) -> list[Row]:
         """The points that have both; faults and refusals go into the gutter, what does not apply is left out."""
         rows = []
-        for s in subject.series:
+        for s in series:
             values, failed = [], []
             for p in s.points:
                 name = s.title + (f", {p.label}" if p.label else "")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import resource
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ import numpy as np
 
 from reference_tracer.backend import use_threads
 from reference_tracer.camera_rays import camera_rays
+from reference_tracer.errors import UnsupportedError
 from reference_tracer.first_hit import Crossing
 from reference_tracer.render import Picture, Renderer
 from reference_tracer.scene.model import Scene
@@ -126,7 +126,9 @@ class Counted:
 
     def first(self, solid, ray, inside, limit) -> Crossing:
         crossing = self.base.first(solid, ray, inside, limit)
-        dr.scatter_add(self.counter, type(self.counter)(crossing.evaluations), dr.uint32_array_t(self.counter)(0))
+        # a closed form takes f once, as a polynomial
+        count = dr.maximum(crossing.evaluations, 1) if self.closed_form else crossing.evaluations
+        dr.scatter_add(self.counter, type(self.counter)(count), dr.uint32_array_t(self.counter)(0))
         return crossing
 
     def crossings(self, *arguments):
@@ -147,12 +149,14 @@ class Other:
         return self._made(self.timed_settings)
 
     def _made(self, settings: dict) -> Made:
-        start = time.perf_counter()
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
         picture = renderers.render(self.name, self.scene, settings)
-        told = picture.metadata
-        wall = told.get("first") or time.perf_counter() - start
-        children = resource.getrusage(resource.RUSAGE_CHILDREN)
-        return Made(picture, Cost(wall, told.get("cpu") or wall), told.get("build"), children.ru_maxrss)
+        after, told = resource.getrusage(resource.RUSAGE_CHILDREN), picture.metadata
+        if told.get("native_shapes") == 0 and self.settings.get("shapes") == "native":
+            raise UnsupportedError("none of the scene's surfaces is a native shape: all of it would be meshes")
+        # a program's processor time is what the system says of it, starting included, a picture at a time
+        program = (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / told.get("pictures", 1)
+        return Made(picture, Cost(told["first"], program or told["cpu"]), told.get("build"), after.ru_maxrss)
 
     def first_hits(self) -> None:
         return None

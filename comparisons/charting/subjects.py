@@ -9,8 +9,8 @@ from reference_tracer.scene import library
 from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
 from reference_tracer.surfaces.expression import Expression
 
-BRIEF_SCENES = ("figure-05-sphere", "figure-07-torus", "figure-09-heart", "figure-reflection")
-BRIEF_SURFACES = ("surface-barth-sextic",)
+BRIEF_SCENES = ("figure-07-torus", "figure-09-heart", "figure-reflection")
+BRIEF_SURFACES = ("surface-gyroid",)
 GOLDEN = "((1 + sqrt(5)) / 2) ** 2"
 BALL = "(x**2 + y**2 + z**2 - 1)"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,7 +24,7 @@ from .growing import measured
 from .results import Chart, Point, Series, Subject, clock
 from .store import Store
 from .subjects import Charted
-from .sweeps import SWEEPS, Contestant, Sweep
+from .sweeps import OURS, SWEEPS, Contestant, Sweep
 from .team import Team
 from .truth import Truth
 from .turns import Timed, take_turns
@@ -35,6 +36,7 @@ class Options:
     full: bool = False
     turns: int = 3
     limit: float = 120.0  # seconds an answer may take
+    patience: float = 30.0  # seconds that all turns of one point may take
     quiet: bool = False
 
 
@@ -114,10 +116,10 @@ class _Subject:
         every = [entry for sweep in entries.values() for entry in sweep]
         points = {entry.key: kept for entry in every if (kept := self.store.find(entry.key, Point))}
         waiting = {entry.key: entry for entry in every if entry.key not in points}
-        judged = {key: self._judged(entry, truth) for key, entry in waiting.items()}
+        judged = self._all_judged(waiting, truth)
         timed = take_turns({key: lambda entry=waiting[key]: self.team.timed(
             entry.key, self.scene, entry.contestant, self.truth_file) for key, (point, _) in judged.items()
-            if point.state == "ok"}, self.options.turns)
+            if point.state == "ok"}, self.options.turns, self.options.patience)
         for key, (point, first) in judged.items():
             points[key] = _with_times(point, first, timed[key]) if key in timed else point
             if points[key].state == "ok":
@@ -126,6 +128,14 @@ class _Subject:
                        points=[points[entry.key].model_copy(update={"label": sweep.label(entry.value)})
                                for entry in entries[sweep.id]]
                        if sweep.is_registered else [_unregistered(sweep)]) for sweep in self.sweeps]
+
+    def _all_judged(self, waiting: dict[str, _Entry], truth: Truth) -> dict[str, tuple[Point, float]]:
+        """All points without times. Ours are judged beside the others: what is not timed may have company."""
+        lanes = [[key for key, entry in waiting.items() if (entry.contestant.process == OURS) == ours] for ours in (True, False)]
+        judge = lambda lane: [(key, self._judged(waiting[key], truth)) for key in lane]
+        with ThreadPoolExecutor(len(lanes)) as pool:
+            judged = dict(found for lane in pool.map(judge, lanes) for found in lane)
+        return {key: judged[key] for key in waiting}
 
     def _key(self, contestant: Contestant) -> str:
         return self.store.key(self.scene, contestant.renderer, contestant.settings, contestant.timed)

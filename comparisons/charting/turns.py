@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 
@@ -37,17 +38,18 @@ class Timed:
         return spread(values) if values else None
 
 
-def take_turns(contestants: dict[Hashable, Callable[[], Answer]], turns: int, step=lambda: None) -> dict[Hashable, Timed]:
-    """Asks every contestant `turns` times; one that fails is not asked again."""
+def take_turns(contestants: dict[Hashable, Callable[[], Answer]], turns: int,
+               patience: float = math.inf) -> dict[Hashable, Timed]:
+    """Asks every contestant `turns` times; one that fails, or whose turns have taken `patience` seconds, no more."""
     facts: dict[Hashable, list[dict]] = {name: [] for name in contestants}
     failures: dict[Hashable, Answer] = {}
     for _ in range(turns):
         for name, ask in contestants.items():
-            if name not in failures:
-                answer = ask()
-                if answer["state"] == "ok":
-                    facts[name].append(answer["facts"])
-                else:
-                    failures[name] = answer
-            step()
+            if name in failures or sum(f["seconds"] for f in facts[name]) > patience:
+                continue
+            answer = ask()
+            if answer["state"] == "ok":
+                facts[name].append(answer["facts"])
+            else:
+                failures[name] = answer
     return {name: Timed(facts[name], failures.get(name)) for name in contestants}

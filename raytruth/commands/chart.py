@@ -26,7 +26,7 @@ def add_arguments(parser):
                         help="this study of growth, and no scene unless named (repeatable)")
     parser.add_argument("--size", metavar="WxH", type=size, default=(320, 240), help="of the pictures (default 320x240)")
     parser.add_argument("--turns", type=int, default=3, metavar="N", help="timed runs of each point (default 3)")
-    parser.add_argument("--limit", type=float, default=120.0, metavar="SECONDS", help="time limit of one run (default 120)")
+    parser.add_argument("--limit", type=float, metavar="SECONDS", help="time limit of one run (default 30; with --full 120)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for chart.json (default: results, if nothing was chosen)")
     parser.add_argument("--json", action="store_true", help="print the document")
@@ -37,15 +37,15 @@ def run(arguments) -> int:
     from comparisons.charting.growth import find
     from reference_tracer.errors import InputError
 
-    for name, value, low in (("turns", arguments.turns, 1), ("limit", arguments.limit, 0.1),
-                             ("size", min(arguments.size), 8)):
+    limit = arguments.limit if arguments.limit is not None else 120.0 if arguments.full else 30.0
+    for name, value, low in (("turns", arguments.turns, 1), ("limit", limit, 0.1), ("size", min(arguments.size), 8)):
         if not value >= low:
             raise InputError(f"--{name}: must be at least {low}; found {value}")
     studies = find(arguments.growth, arguments.full) if arguments.growth or not arguments.scene else ()
     charted = subjects.chosen(arguments.scene, arguments.full, arguments.size) \
         if arguments.scene or not arguments.growth else []
     folder = arguments.results or Path("results")
-    options = suite.Options(folder, arguments.full, arguments.turns, arguments.limit)
+    options = suite.Options(folder, arguments.full, arguments.turns, limit, patience=30.0 if arguments.full else 1.0)
     chart = suite.run(charted, studies, options)
     if arguments.results or not (arguments.scene or arguments.growth):
         chart = results.keep(chart, folder)
