@@ -44,8 +44,8 @@ def measure(case: Case) -> Measured:
     smooth = compared & np.isfinite(allowance)
     pixels, edges = int(compared.sum()), int((compared & ~smooth).sum())
     coverage = [
-        _gate("pixels compared", pixels, max(1, round(FEWEST * compared.size)), "pixels", "pixels on which theory speaks",
-              at_least=True),
+        _gate("pixels compared", pixels, max(1, round(FEWEST * compared.size)), "pixels",
+              "pixels on which theory speaks", at_least=True),
         _gate("edge pixels", edges, round(MOST_EDGES * pixels), "pixels",
               "pixels that Mitsuba's offset of ray origins may change visibly")]
     if not smooth.any():
@@ -69,7 +69,8 @@ def _deterministic(case: Case, expected, compared, smooth):
     failing = error > VISIBLE
     gates = [
         _gate("not finite", lost, 0, "pixels", "pixels whose colour is NaN or infinite"),
-        _gate("color p99", float(np.quantile(error[compared], 0.99)), P99, "linear", "99 % of the compared pixels have a smaller error"),
+        _gate("color p99", float(np.quantile(error[compared], 0.99)), P99, "linear",
+              "99 % of the compared pixels have a smaller error"),
         _gate("failing pixels", int((failing & smooth).sum()), 0, "pixels",
               "pixels off by more than one step of an 8-bit picture, away from edges")]
     metrics = {"color mean": float(error[compared].mean()), "color max": float(error[compared].max()),

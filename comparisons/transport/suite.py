@@ -106,11 +106,11 @@ def _reason(case: Case, gates: list[Gate], metrics: dict) -> str:
         return f"{name} is {'nothing' if value is None else format(value, '.3g')}, the limit is {limit:.3g}"
     measured = {gate.name: gate.value for gate in gates}
     if case.ladder:
-        close = (f"no value deviates by more than {measured['largest z']:.1f} times its noise, and the error falls as "
-                 f"samples^{metrics['slope']:.3f}")
+        close = (f"no value deviates by more than {measured['largest z']:.1f} times its noise, and the error falls "
+                 f"with the power {metrics['slope']:.3f} of the samples")
     else:
-        close = f"99 % of the pixels agree to {measured['color p99']:.1e}, and none outside of edges differs visibly"
+        close = f"99 % of the pixels agree to {measured['color p99']:.1e}, and none away from edges differs visibly"
     if not case.is_finding:
         return close
     return (f"the pictures differ by {metrics['mean difference from the document']:.2g} in the mean and "
-            f"{metrics['largest difference from the document']:.2g} at most, as predicted: {close}")
+            f"{metrics['largest difference from the document']:.2g} at most; with what physics predicts {close}")

@@ -31,7 +31,8 @@ def planes(path, **changes):
     compared[0] = False
     path.parent.mkdir(exist_ok=True)
     with path.open("wb") as file:
-        np.savez(file, **{"document": document, "mitsuba": mitsuba, "expected": document, "compared": compared, **changes})
+        np.savez(file, **{"document": document, "mitsuba": mitsuba, "expected": document, "compared": compared,
+                          **changes})
 
 
 @pytest.fixture

@@ -30,7 +30,7 @@ def filmed(scene: Scene, samples: int, seed: int) -> Radiance:
 
 
 CASES = (
-    Case("multisampling", "4 x 4 samples a pixel", "multisampling",
+    Case("multisampling", "4 × 4 samples a pixel", "multisampling",
          "Mitsuba's stratified sampler without jitter takes the centres of n x n cells, and its box filter their mean: "
          "the document's samples; direct light makes no further choice at random.", SCENE, filmed),
 )
