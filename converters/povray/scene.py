@@ -24,6 +24,7 @@ from .words import number, vector
 
 SHAPES = ("native", "isosurface")
 SHOWN = ("color", "share", "object", "distance", "normal")
+FLAT = 1e-3  # of a container's longest side: what its others have at least on either side of the surface
 ACCURACY = 1e-8  # of isosurfaces, in the scene's unit; a tighter one gains nothing
 
 HEAD = """#version 3.7;
@@ -193,7 +194,11 @@ def _container(scene: Scene, obj: Object) -> np.ndarray | None:
     """(2, 3): a box in the object's own frame that holds what rays can meet of it; None where that is nothing."""
     placed = Placed(obj)
     own = shapes.own_container(placed)
-    return own if own is not None else tight_box(placed, reach_in_frame(scene, placed))
+    if own is not None:
+        return own
+    tight = tight_box(placed, reach_in_frame(scene, placed))
+    # a flat surface fits a box without any thickness, in which no root can be bracketed
+    return None if tight is None else tight + FLAT * np.max(tight[1] - tight[0]) * np.array([[-1], [1]])
 
 
 def _require_expressible(scene: Scene) -> None:
