@@ -27,7 +27,7 @@ from .results import Comparison, Results, Run, SceneRecord, Verdict, read, write
 from .runs import Request, RunStore
 
 TRUTH = "exact"
-COMPARED = ("paper", "mitsuba-native", "mitsuba-mesh", "embree", "povray")
+COMPARED = ("paper", "mitsuba-native", "mitsuba-mesh", "mitsuba-sdfgrid", "embree", "povray")
 SECONDS_PER_RUN = 300.0
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from reference_tracer.scene.model import Scene
 
-from ..gate import Tolerance, between, judge
+from ..gate import DOUBLE, GRID, MESH, NATIVE, TRACERS, Tolerance, between, judge
 from ..results import Gate, Run
 from ..runs import Request, RunStore
 from .pairs import Pictures, measured
@@ -33,8 +33,9 @@ class Worse:
 
 @dataclass(frozen=True)
 class Held:
-    """A renderer, what it is held against, and what is worse than it, next worse first."""
+    """A tolerance, a renderer that is held to it, against what, and what is worse than it, next worse first."""
 
+    tolerance: Tolerance
     renderer: str
     worse: tuple[Worse, ...]
     against: str = TRUTH
@@ -46,11 +47,12 @@ class Held:
 COARSE = Worse("meshes of 128 cells instead of 256", "mitsuba-mesh", {"resolution": 128})
 STARTS = "rays that start 9e-5 off their surface, as Mitsuba’s own do, instead of 1e-7"
 HELD = (
-    Held("exact", (Worse("single precision instead of double", "exact", {"precision": 32}),)),
-    Held("mitsuba-native", (Worse(STARTS, "mitsuba-native", OWN_OFFSET),
-                            Worse("meshes of 256 cells instead of exact shapes", "mitsuba-mesh"))),
-    Held("mitsuba-mesh", (COARSE,)),
-    Held("mitsuba-mesh", (Worse(STARTS, "mitsuba-mesh", OWN_OFFSET), COARSE), against="embree"),
+    Held(DOUBLE, "exact", (Worse("single precision instead of double", "exact", {"precision": 32}),)),
+    Held(NATIVE, "mitsuba-native", (Worse(STARTS, "mitsuba-native", OWN_OFFSET),
+                                    Worse("meshes of 256 cells instead of exact shapes", "mitsuba-mesh"))),
+    Held(MESH, "mitsuba-mesh", (COARSE,)),
+    Held(GRID, "mitsuba-sdfgrid", (Worse("grids of 64 cells instead of 128", "mitsuba-sdfgrid", {"resolution": 64}),)),
+    Held(TRACERS, "mitsuba-mesh", (Worse(STARTS, "mitsuba-mesh", OWN_OFFSET), COARSE), against="embree"),
 )
 
 
@@ -84,25 +86,24 @@ class _Case:
 
 
 def _rows(held: Held, scenes: Sequence[Scene], runs: dict[str, Run], store: RunStore) -> list[Tightness]:
-    """The rows of the tolerance that most scenes are held to: one without native shapes, say, is held to another."""
-    usual: dict[Tolerance, dict[str, list[_Case]]] = defaultdict(lambda: defaultdict(list))
-    worsened: dict[Tolerance, dict[str, list[_Case]]] = defaultdict(lambda: defaultdict(list))
+    """A row for every limit; scenes held to another tolerance, without native shapes, say, are left out."""
+    usual: dict[str, list[_Case]] = defaultdict(list)
+    worsened: dict[str, list[_Case]] = defaultdict(list)
     for scene in scenes:
         base, test = (runs[Request(scene, name).key] for name in (held.against, held.renderer))
         others = [(worse, runs[Request(scene, worse.renderer, worse.settings).key]) for worse in held.worse]
         if any(run.state != "ok" for run in (base, test, *(run for _, run in others))):
             continue
-        tolerance, pictures = between(base, test), Pictures(scene, store)
-        for gate in judge(measured(pictures, base, test, store), tolerance)[2]:
-            usual[tolerance][gate.name].append(_Case(scene, gate))
+        if between(base, test) is not held.tolerance:
+            continue
+        pictures = Pictures(scene, store)
+        for gate in judge(measured(pictures, base, test, store), held.tolerance)[2]:
+            usual[gate.name].append(_Case(scene, gate))
         for worse, run in others:
-            for gate in judge(measured(pictures, base, run, store), tolerance)[2]:
-                worsened[tolerance][gate.name].append(_Case(scene, gate, worse))
-    if not usual:
-        return []
-    tolerance = max(usual, key=lambda t: len(usual[t]["not finite"]))
-    return [_row(tolerance, max(cases, key=lambda c: c.share), max(worsened[tolerance][name], key=lambda c: c.share))
-            for name, cases in usual[tolerance].items() if name not in ALWAYS]
+            for gate in judge(measured(pictures, base, run, store), held.tolerance)[2]:
+                worsened[gate.name].append(_Case(scene, gate, worse))
+    return [_row(held.tolerance, max(cases, key=lambda c: c.share), max(worsened[name], key=lambda c: c.share))
+            for name, cases in usual.items() if name not in ALWAYS]
 
 
 def _row(tolerance: Tolerance, usual: _Case, worst: _Case) -> Tightness:
