@@ -7,8 +7,8 @@ import os
 import sys
 from importlib import import_module
 
-COMMANDS = ("scenes", "render", "compare", "attribute", "report", "certify", "sensitivity", "stability", "transport", "chart", "plan",
-            "doctor")
+COMMANDS = ("scenes", "render", "compare", "attribute", "report", "certify", "sensitivity", "stability",
+            "transport", "chart", "plan", "doctor")
 OK, FINDINGS, BAD_INPUT = 0, 1, 2
 
 EPILOG = """\

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from comparisons.charting.frontier import frontier
 
-from .axis import LinearAxis, LogAxis, Tick, log_ticks, padded
+from .axis import MOST_TICKS, LinearAxis, LogAxis, Tick, log_ticks, padded
 from .chart import MARKS
 from .plot import polyline
 
@@ -127,8 +127,11 @@ def scatter(anchor: str, title: str, x_label: str, y_label: str, rows: list[Row]
             slot += 1
         placed.append(PlacedRow(row.style, points, tuple(failed),
                                 polyline([(p.x, p.y) for p in points]) if len(points) > 1 else ""))
-    return Scatter(anchor, title, x_label, y_label, horizontal.ticks(log_ticks(*horizontal.range)), y_ticks,
-                   tuple(placed), _steps({(p.x, p.y) for row in placed for p in row.points if p.best}, horizontal.end),
+    distinct = sorted({v.cost for v in values})
+    few = not judged and len(distinct) <= MOST_TICKS and horizontal.apart(distinct, 44)  # a parameter that was swept
+    x_ticks = horizontal.ticks(distinct if few else log_ticks(*horizontal.range))
+    return Scatter(anchor, title, x_label, y_label, x_ticks, y_ticks, tuple(placed),
+                   _steps({(p.x, p.y) for row in placed for p in row.points if p.best}, horizontal.end),
                    floor, zero_label, zeros, right, failures)
 
 

@@ -69,7 +69,8 @@ class Speed:
         count = lambda p: p.evaluations
         wrong = lambda p: p.accuracy.wrong
         share = f"wrong pixels of {parts(subject.pixels).text}"
-        whole, of_hits = (f"{self.time} of {what}, ms" for what in ("a whole picture", "the camera rays’ first hits alone"))
+        whole, of_hits = (f"{self.time} of {what}, ms"
+                          for what in ("a whole picture", "the camera rays’ first hits alone"))
         u = subject.uncertainty
 
         def made(kind: str, title: str, x_label: str, y_label: str, cost, error, nothing=0.0, zero="none",
@@ -85,8 +86,8 @@ class Speed:
             charts = (
                 made("wrong", "wrong pixels", whole, share, picture, wrong),
                 made("hits", "wrong pixels, first hits alone", of_hits, share, hits, wrong, alone=True),
-                made("evaluations", "wrong pixels, evaluations of f", "evaluations of f, a camera ray", share, count, wrong,
-                     alone=True),
+                made("evaluations", "wrong pixels, evaluations of f", "evaluations of f, a camera ray", share, count,
+                     wrong, alone=True),
                 made("color", "colour", whole, "error of colour, 99th percentile", picture,
                      lambda p: p.accuracy.color_p99, u.color_p99, rounding),
                 made("depth", "depth", whole, "error of depth, 99th percentile", picture,
@@ -155,7 +156,7 @@ def _of_threads(growth: Growth) -> bool:
 
 
 def _styles(chart: Chart) -> dict[str, Style]:
-    """For every series of the document a style; sweeps of one method share colour and mark, all but the first hollow."""
+    """A style for every series; sweeps of one method share colour and mark, all but the first are hollow."""
     numbers: dict[str, int] = {}
     controls = 0
     styles: dict[str, Style] = {}

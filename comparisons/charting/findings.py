@@ -59,8 +59,8 @@ def _other_renderers(series: list[Series], clock: Clock) -> str:
         return f"no other renderer comes down to {FEW} wrong pixels; the best is {_named(s, p)} with {p.accuracy.wrong}"
     whole = lambda p: getattr(p.picture, clock).median + (p.build.median if p.build else 0)
     s, p = min(good, key=lambda entry: whole(entry[1]))
-    return (f"of the other renderers, {_named(s, p)} is the cheapest with at most {FEW} wrong pixels ({p.accuracy.wrong}); "
-            f"it takes {whole(p) / whole(exact):.3g} times as long as exact, what it builds included")
+    return (f"of the other renderers, {_named(s, p)} is the cheapest with at most {FEW} wrong pixels "
+            f"({p.accuracy.wrong}); it takes {whole(p) / whole(exact):.3g} times as long as exact, building included")
 
 
 def _oracle(series: list[Series]) -> str:
@@ -68,7 +68,8 @@ def _oracle(series: list[Series]) -> str:
     for _, p in ((s, p) for s, p in _points(series, "control") if s.id == "oracle"):
         a = p.accuracy
         if a.wrong or a.depth_max or a.color_max:
-            return f"the measurement is broken: the oracle control, which hands the truth through, has {a.wrong} wrong pixels"
+            return ("the measurement is broken: the oracle control, which hands the truth through, has "
+                    f"{a.wrong} wrong pixels")
     return ""
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from reference_tracer.image_files import load_npz
@@ -37,7 +39,8 @@ class _Growing:
 
     def growth(self, turns: int) -> Growth:
         study = self.study
-        reference, _ = self._first("exact", {"method": "exact"}, 0, scene) if (scene := study.reference()) else (None, {})
+        scene = study.reference()
+        reference = self._first("reference", {"method": "exact"}, 0, scene)[0] if scene else None
         points, seconds = {}, {}
         for label, settings in study.lines:
             for x, scene in self.scenes.items():
@@ -47,12 +50,13 @@ class _Growing:
                                                rays=facts.get("rays"), peak_mib=facts.get("peak_mib"))
                 seconds[label, x] = _second(study, scene, facts, color, reference)
         settings = dict(study.lines)
-        timed = take_turns({key: lambda key=key: self.team.timed(
-            self._id(*key), self.scenes[key[1]], Contestant(OURS, settings[key[0]]), threads=self._threads(key[1]), hits=False)
-            for key, point in points.items() if point.state == "ok"}, turns)
+        timed = take_turns({(label, x): partial(
+            self.team.timed, self._id(label, x), self.scenes[x], Contestant(OURS, settings[label]),
+            threads=self._threads(x), hits=False)
+            for (label, x), point in points.items() if point.state == "ok"}, turns)
         for key, found in timed.items():
-            failed = {"state": found.failure["state"], "message": found.failure.get("message", "")} if found.failure else {}
-            points[key] = points[key].model_copy(update={"picture": found.times(), "second": seconds[key], **failed})
+            points[key] = points[key].model_copy(
+                update={"picture": found.times(), "second": seconds[key], **found.fault})
         if study.second == "efficiency":
             points = {key: _with_efficiency(point, points[key[0], study.values[0]]) for key, point in points.items()}
         lines = [GrowthLine(label=label, points=[points[label, x] for x in self.scenes]) for label, _ in study.lines]
@@ -72,7 +76,8 @@ class _Growing:
         """The colours of the first picture, and the answer."""
         file = self.store.path(self.store.key(scene, self.study.id, label, x), "-planes.npz")
         try:
-            answer = self.team.first(self._id(label, x), scene, Contestant(OURS, settings), file, threads=self._threads(x))
+            answer = self.team.first(self._id(label, x), scene, Contestant(OURS, settings), file,
+                                     threads=self._threads(x))
             if answer["state"] == "ok" and (wrong := problem(file, scene)):
                 answer = {"state": "malformed", "message": wrong}
             return (load_npz(file)[0]["color"] if answer["state"] == "ok" else None), answer
@@ -110,15 +115,12 @@ def _finding(study: Study, lines: list[GrowthLine], others: float) -> str:
         time = lambda p: getattr(p.picture, clock([others])).median
         if study.x_is_threads:
             best = min(done, key=lambda p: p.picture.wall.median)
-            told.append(f"at best, with {best.x:g} of up to {last.x:g} threads, a picture takes "
-                        f"{best.picture.wall.median / first.picture.wall.median:.2f} of the time with one: an efficiency "
-                        f"of {best.second:.0%}"
+            share = best.picture.wall.median / first.picture.wall.median
+            told.append(f"at best, with {best.x:g} of up to {last.x:g} threads, a picture takes {share:.2f} of the "
+                        f"time with one: an efficiency of {best.second:.0%}"
                         + (f" (other programs kept {others:.1f} cores busy)" if others >= QUIET else ""))
         else:
-            told.append(f"{line.label}: with {last.x / first.x:.3g} times the {study.x_label}, {_factor(time(last) / time(first))} "
-                        f"the time and {_factor(last.second / first.second)} the {study.second}")
-    return "; ".join(told)
-
-
-def _factor(ratio: float) -> str:
-    return f"{ratio:.3g} times"
+            told.append(f"{line.label}: with {last.x / first.x:.3g} times the {study.x_label}, "
+                        f"{time(last) / time(first):.3g} times the time and {last.second / first.second:.3g} times the "
+                        f"{study.second}")
+    return "; ".join([*told, study.remark] if told and study.remark else told)

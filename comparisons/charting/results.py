@@ -27,7 +27,7 @@ class Accuracy(Record):
     wrong: int = Field(description="of these: another object, another root, or a colour that is not finite")
     depth_p99: float | None = Field(description="of |t - truth| / max(1, truth), over pixels that are not wrong")
     depth_max: float | None
-    color_p99: float | None = Field(description="of the largest difference of a linear channel, over all pixels compared")
+    color_p99: float | None = Field(description="of a pixel's largest difference in a channel, over all compared")
     color_max: float | None
     undecided: int = Field(description="pixels of the whole picture that the method itself does not vouch for")
 
@@ -49,7 +49,7 @@ class Point(Record):
     message: str = Field("", description="what went wrong, in one line")
     accuracy: Accuracy | None = None
     picture: Times | None = Field(None, description="of a whole picture, without compiling or building")
-    hits: Times | None = Field(None, description="of the camera rays' first hits alone; None where they cannot be had apart")
+    hits: Times | None = Field(None, description="of the camera rays' first hits alone, where they can be had apart")
     build: Spread | None = Field(None, description="wall seconds of converting the scene: meshes, grids, structures")
     compiling: float | None = Field(None, description="wall seconds by which the first run took longer than a warm one")
     evaluations: float | None = Field(None, description="of f, a camera ray, summed over objects")

@@ -131,7 +131,8 @@ class _Subject:
 
     def _all_judged(self, waiting: dict[str, _Entry], truth: Truth) -> dict[str, tuple[Point, float]]:
         """All points without times. Ours are judged beside the others: what is not timed may have company."""
-        lanes = [[key for key, entry in waiting.items() if (entry.contestant.process == OURS) == ours] for ours in (True, False)]
+        lanes = [[key for key, entry in waiting.items() if (entry.contestant.process == OURS) == ours]
+                 for ours in (True, False)]
         judge = lambda lane: [(key, self._judged(waiting[key], truth)) for key in lane]
         with ThreadPoolExecutor(len(lanes)) as pool:
             judged = dict(found for lane in pool.map(judge, lanes) for found in lane)
@@ -160,7 +161,7 @@ class _Subject:
 
 def _with_times(point: Point, first: float, timed: Timed) -> Point:
     if timed.failure:
-        return point.model_copy(update={"state": timed.failure["state"], "message": timed.failure.get("message", "")})
+        return point.model_copy(update=timed.fault)
     picture = timed.times()
     return point.model_copy(update={
         "picture": picture, "hits": timed.times("hits_"), "build": timed.build, "turns": len(timed.facts),

@@ -1,4 +1,4 @@
-"""The child processes that measure: one for every kind of renderer, started when first asked, replaced after a crash."""
+"""The child processes that measure: one a kind of renderer, started when first asked, replaced after a crash."""
 
 from __future__ import annotations
 
@@ -57,7 +57,8 @@ class Team:
                **more) -> Answer:
         return self._ask(contestant.process, {
             "do": do, "id": id, "scene": _text(scene), "renderer": contestant.renderer, "settings": contestant.settings,
-            "timed": contestant.timed, "truth": str(truth) if truth else None, "threads": threads or self.threads, **more})
+            "timed": contestant.timed, "truth": str(truth) if truth else None, "threads": threads or self.threads,
+            **more})
 
     def _ask(self, process: str, request: dict) -> Answer:
         if process not in self._workers:

@@ -25,6 +25,11 @@ class Timed:
         return Times(wall=wall, cpu=cpu) if wall and cpu else None
 
     @property
+    def fault(self) -> dict:
+        """State and message of the failure; empty if there is none."""
+        return {"state": self.failure["state"], "message": self.failure.get("message", "")} if self.failure else {}
+
+    @property
     def build(self) -> Spread | None:
         return self._spread("build")
 

@@ -21,12 +21,14 @@ from .render import size
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="shipped scenes, scene files, or single surfaces (default: a few)")
-    parser.add_argument("--full", action="store_true", help="all scenes and surfaces, and all values of every parameter")
+    parser.add_argument("--full", action="store_true", help="all scenes and surfaces, all values of every parameter")
     parser.add_argument("--growth", action="append", default=[], metavar="STUDY",
                         help="this study of growth, and no scene unless named (repeatable)")
-    parser.add_argument("--size", metavar="WxH", type=size, default=(320, 240), help="of the pictures (default 320x240)")
+    parser.add_argument("--size", metavar="WxH", type=size, default=(320, 240),
+                        help="of the pictures (default 320x240)")
     parser.add_argument("--turns", type=int, default=3, metavar="N", help="timed runs of each point (default 3)")
-    parser.add_argument("--limit", type=float, metavar="SECONDS", help="time limit of one run (default 30; with --full 120)")
+    parser.add_argument("--limit", type=float, metavar="SECONDS",
+                        help="time limit of one run (default 30; with --full 120)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for chart.json (default: results, if nothing was chosen)")
     parser.add_argument("--json", action="store_true", help="print the document")
@@ -69,5 +71,5 @@ def _tell(chart) -> None:
         print(f"{growth.title}: {growth.finding}")
     for subject, what, message in chart.faults:
         print(f"FAILED {subject}: {what}: {message}")
-    print(f"{chart.seconds:.0f} s; the {'clock on the wall' if chart.clock == 'wall' else 'time of the processor'} decides",
-          file=sys.stderr)
+    decides = "clock on the wall" if chart.clock == "wall" else "time of the processor"
+    print(f"{chart.seconds:.0f} s; the {decides} decides", file=sys.stderr)

@@ -17,7 +17,7 @@ def pages(report: Report) -> list[Page]:
     speed = Speed(document)
     summary = Summary(
         "Speed against accuracy",
-        f"Every first-hit method and every renderer over its own parameter, on {len(speed.subjects)} scenes and surfaces, "
-        "against proven first hits.", sentence(speed.headline) if speed.headline else "", "The charts")
+        f"Every first-hit method and every renderer over its own parameter, on {len(speed.subjects)} scenes and "
+        "surfaces, against proven first hits.", sentence(speed.headline) if speed.headline else "", "The charts")
     return [Page("speed.html", "speed.html.j2", {"speed": speed}, nav="Speed", summary=summary)] + [
         Page(view.page, "speed_subject.html.j2", {"speed": speed, "view": view}) for view in speed.subjects]

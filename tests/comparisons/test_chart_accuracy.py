@@ -83,7 +83,8 @@ def test_an_edge_that_rounding_moves_judges_nobody():
 def test_evaluations_are_counted_as_the_literal_method_makes_them():
     """Nothing is ever hit and no box ends a ray: exactly max_distance / h samples."""
     never = Expression(type="expression", center=(0.0, 0.0, 0.0), formula="x**4 + y**4 + z**4 + 1")
-    scene = Scene(camera=Camera(width=8, height=6), objects=(Object(surface=never),), tracing=Tracing(max_distance=10.0))
+    scene = Scene(camera=Camera(width=8, height=6), objects=(Object(surface=never),),
+                  tracing=Tracing(max_distance=10.0))
     assert Ours(scene, "paper", step_size=0.1).evaluations() == 100
     assert Ours(scene, "paper", step_size=0.05).evaluations() == 200
     two = scene.model_copy(update={"objects": scene.objects * 2})
@@ -128,9 +129,10 @@ def test_the_processor_decides_on_a_busy_machine():
 def point(wrong, seconds, value=None, evaluations=None, build=None) -> Point:
     spread = lambda s: Spread(median=s, low=s, high=s)
     times = Times(wall=spread(seconds), cpu=spread(10 * seconds))
-    return Point(label="" if value is None else f"h {value:g}", value=value, settings={}, state="ok", picture=times, hits=times,
-                 build=build and spread(build), evaluations=evaluations,
-                 accuracy=Accuracy(pixels=1000, wrong=wrong, depth_p99=0, depth_max=0, color_p99=0, color_max=0, undecided=0))
+    return Point(label="" if value is None else f"h {value:g}", value=value, settings={}, state="ok", picture=times,
+                 hits=times, build=build and spread(build), evaluations=evaluations,
+                 accuracy=Accuracy(pixels=1000, wrong=wrong, depth_p99=0, depth_max=0, color_p99=0, color_max=0,
+                                   undecided=0))
 
 
 def series(id, *points, kind="first hits") -> Series:

@@ -49,8 +49,8 @@ def team(program: str) -> Team:
 @pytest.fixture(scope="module")
 def charted(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
-    study = Study("samples", "Samples", "samples", (1, 16), lambda n: SCENE.resized(16, 12, samples=round(n**0.5)), "error",
-                  (("exact", {"method": "exact"}),))
+    study = Study("samples", "Samples", "samples", (1, 16), lambda n: SCENE.resized(16, 12, samples=round(n**0.5)),
+                  "error", (("exact", {"method": "exact"}),))
     options = suite.Options(folder, turns=2, quiet=True)
     return folder, options, study, suite.run([BALL], [study], options, SWEPT, team(CRASHING))
 
@@ -139,8 +139,9 @@ def test_subjects_by_default_and_all_of_them():
 
 
 @pytest.mark.parametrize("arguments, told", [
-    (["chart", "nowhere"], "nowhere"), (["chart", "--growth", "weeds"], "weeds"), (["chart", "--turns", "0"], "--turns"),
-    (["chart", "--limit", "nan"], "--limit"), (["chart", "--size", "1x1"], "--size")])
+    (["chart", "nowhere"], "nowhere"), (["chart", "--growth", "weeds"], "weeds"),
+    (["chart", "--turns", "0"], "--turns"), (["chart", "--limit", "nan"], "--limit"),
+    (["chart", "--size", "1x1"], "--size")])
 def test_bad_input_is_one_sentence(arguments, told, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(arguments) == 2

@@ -8,8 +8,8 @@ from report_support import HOSTILE, make_results
 import reports
 from comparisons import document
 from comparisons.bench.results import Spread
-from comparisons.charting.results import (FILE, Accuracy, Chart, Growth, GrowthLine, GrowthPoint, Point, Series, Subject,
-                                          Times, Uncertainty)
+from comparisons.charting.results import (FILE, Accuracy, Chart, Growth, GrowthLine, GrowthPoint, Point, Series,
+                                          Subject, Times, Uncertainty)
 from reference_tracer.scene import library
 from reports.chart import MARKS
 from reports.scatter import BAND, BOTTOM, HEIGHT, WIDTH, Row, Style, Value, scatter
@@ -25,8 +25,8 @@ def point(seconds=None, wrong=0, label="", depth=1e-9, state="ok", message="", o
     if state != "ok":
         return Point(label=label, value=None, settings={}, state=state, message=message)
     times = Times(wall=spread(seconds), cpu=spread(2 * seconds))
-    return Point(label=label, value=None, settings={}, state="ok", picture=times, hits=times, evaluations=10 * seconds, turns=3,
-                 peak_mib=100, compiling=0.5, others=others,
+    return Point(label=label, value=None, settings={}, state="ok", picture=times, hits=times, turns=3,
+                 evaluations=10 * seconds, peak_mib=100, compiling=0.5, others=others,
                  accuracy=Accuracy(pixels=1000, wrong=wrong, depth_p99=depth, depth_max=depth, color_p99=depth,
                                    color_max=depth, undecided=0))
 
@@ -43,8 +43,9 @@ def make_chart(*rows: Series, title="Ball", finding="all is well") -> Chart:
                          second=1 / x) for x in (1.0, 2.0, 4.0)]
     growth = lambda id: Growth(id=id, title=id, x_label=id, second_label="share", finding=f"{id} grow", others=0.0,
                                lines=[GrowthLine(label="exact", points=grown)], command="raytruth chart --growth")
-    return Chart(created="2025", seconds=9, machine=make_results(library.scene("figure-05-sphere")).machine, threads=2, turns=3,
-                 truth="a proof", subjects=[subject], growths=[growth("threads"), growth("pixels")])
+    machine = make_results(library.scene("figure-05-sphere")).machine
+    return Chart(created="2025", seconds=9, machine=machine, threads=2, turns=3, truth="a proof",
+                 subjects=[subject], growths=[growth("threads"), growth("pixels")])
 
 
 STEPS = series("paper", point(0.1, 300, "h 0.1"), point(0.2, 30, "h 0.05"), point(0.8, 0, "h 0.01"))
@@ -67,8 +68,8 @@ def test_equal_ratios_are_equal_distances_and_down_is_more_accurate():
 
 
 def test_errors_up_to_the_uncertainty_stand_in_the_band_and_others_above_it():
-    drawn = scatter("a", "t", "x", "y", [Row(Style("m", 0), (value(1, 1e-3), value(2, 1e-12), value(3, 0), value(4, 2e-12)))],
-                    nothing=1e-12)
+    values = value(1, 1e-3), value(2, 1e-12), value(3, 0), value(4, 2e-12)
+    drawn = scatter("a", "t", "x", "y", [Row(Style("m", 0), values)], nothing=1e-12)
     y = [p.y for p in drawn.rows[0].points]
     base = HEIGHT - BOTTOM
     assert drawn.has_zeros and drawn.floor == base - BAND
@@ -151,7 +152,8 @@ def test_the_pages_are_there_only_with_their_document(folder, tmp_path):
 
 def test_a_subject_without_a_truth_says_why(folder, tmp_path):
     chart = make_chart()
-    lost = chart.subjects[0].model_copy(update={"uncertainty": None, "state": "timeout", "message": "no answer", "findings": []})
+    lost = chart.subjects[0].model_copy(
+        update={"uncertainty": None, "state": "timeout", "message": "no answer", "findings": []})
     document.write(chart.model_copy(update={"subjects": [lost], "growths": []}), folder / FILE)
     html = reports.build(folder, tmp_path / "html").parent
     assert "No answer" in (html / "speed.html").read_text(encoding="utf-8")
