@@ -12,7 +12,7 @@ from .results import Ratio, Saved
 from .yardstick import COLOUR
 
 TURNS = 9
-BUDGET = 60.0  # seconds
+BUDGET = 20.0  # seconds
 METHODS = ("exact", "paper")  # with which the scene as written is rendered
 
 

@@ -18,6 +18,8 @@ from .yardstick import COLOUR, Yardstick
 
 Change = Callable[[Scene], Scene]
 TURNS = 5
+GLANCE, LEAST_GLANCE = 4, 48  # how much smaller the picture of a first glance is; pixels of its shorter side
+OBVIOUS = 0.01  # share of its pixels: far more than rounding may excuse
 CHEAPER = 0.95  # of the time: a smaller gain is within the noise of a few turns
 
 
@@ -53,9 +55,13 @@ class Search:
     """`scene` is what is planned so far, at the size of the search; `written` the scene it began with."""
 
     def __init__(self, yardstick: Yardstick, written: Scene, pixels: np.ndarray, limit: float, deadline: float):
+        """`pixels` (h, w, bool) decide; they may change by `limit`; the search ends at `deadline` (time.monotonic())."""
         self.yardstick, self.written, self.scene = yardstick, written, written
         self.pixels, self.limit, self.deadline = pixels, limit, deadline
         self.seen = Seen(yardstick.scene, pixels)
+        camera = written.camera
+        small = (camera.width // GLANCE, camera.height // GLANCE)
+        self._glance = Yardstick(written.resized(*small), yardstick.tolerance) if min(small) >= LEAST_GLANCE else None
         self._trials: list[Trial] = []
 
     def holds(self, value: str, change: Change) -> bool:
@@ -63,11 +69,23 @@ class Search:
         if time.monotonic() > self.deadline:
             raise OutOfTime
         candidate = change(self.scene)
+        obvious = self._glanced(candidate)
+        if obvious is not None:
+            self._trials.append(Trial(value=value, change=obvious, holds=False))
+            return False
         difference = self.yardstick.difference(self.yardstick.change(candidate), self.pixels,
                                                candidate.tracing.precision)
         fits = difference.largest <= self.limit and difference.over == 0
         self._trials.append(Trial(value=value, change=difference.largest, holds=fits))
         return fits
+
+    def _glanced(self, candidate: Scene) -> float | None:
+        """The change of `candidate` if a small picture suffices to see that it is too large, else None."""
+        if self._glance is None:
+            return None
+        camera = self._glance.scene.camera
+        change = self._glance.change(candidate.resized(camera.width, camera.height))
+        return float(change.max()) if np.mean(change > self.limit) > OBVIOUS else None
 
     def tried(self) -> list[Trial]:
         """The trials since the last call."""

@@ -8,7 +8,7 @@ from reference_tracer.scene.model import MOST_STEPS, FirstHitChoice, Object
 from ..ladder import cheapest
 from ..search import CHEAPER, Change, Decision, Search
 
-STEPS = tuple(4 * 2.0**-k for k in range(12))  # step sizes, 4 to 0.002
+STEPS = tuple(4 * 2.0**-k for k in range(8))  # step sizes, 4 to 0.03: smaller ones take longer than exact methods
 MOST_TRIED = 4  # kinds of surfaces without a closed form; others stay as written
 
 
