@@ -114,13 +114,18 @@ class World:
         return max(max(max(self.scene.background[k], *(o.material.color[k] * light[k] for o in self.scene.objects))
                        for k in range(3)), 1e-300)
 
-    def least_weight(self, generation: int) -> float:
+    @cached_property
+    def _least_weights(self):
+        generations = range(self.scene.tracing.max_depth + 1)
+        return [self.arrays.constant(self.scene.tracing.cutoff * 2.0**-k / self._brightest) for k in generations]
+
+    def least_weight(self, generation: int):
         """Rays of `generation` at or below this weight in their pixel are not traced (`cutoff` of the scene).
 
         A ray left out in generation g changes its pixel by at most cutoff / 2^g. Every collision has two secondary rays
         at most, so that over all rays left out 1 / 2^g adds up to no more than 1 (Kraft's inequality).
         """
-        return self.scene.tracing.cutoff * 2.0**-generation / self._brightest
+        return self._least_weights[generation]
 
     @property
     def variables(self) -> list:
