@@ -82,7 +82,7 @@ class Speed:
         if not any(p.accuracy for s in subject.series for p in s.points):
             charts: tuple[Scatter, ...] = ()
         else:
-            rounding = "≤ rounding"
+            rounding = "rounding"
             charts = (
                 made("wrong", "wrong pixels", whole, share, picture, wrong),
                 made("hits", "wrong pixels, first hits alone", of_hits, share, hits, wrong, alone=True),
