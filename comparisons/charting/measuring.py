@@ -126,9 +126,9 @@ class Counted:
 
     def first(self, solid, ray, inside, limit) -> Crossing:
         crossing = self.base.first(solid, ray, inside, limit)
-        # a closed form takes f once, as a polynomial
-        count = dr.maximum(crossing.evaluations, 1) if self.closed_form else crossing.evaluations
-        dr.scatter_add(self.counter, type(self.counter)(count), dr.uint32_array_t(self.counter)(0))
+        # a number that is the same for all rays is one number: the condition, true of every ray, makes one a ray of it
+        each = dr.select(dr.abs(ray.d[0]) < 2, type(self.counter)(crossing.evaluations), 0)
+        dr.scatter_add(self.counter, each, dr.uint32_array_t(self.counter)(0))
         return crossing
 
     def crossings(self, *arguments):
@@ -143,6 +143,8 @@ class Other:
         self.timed_settings = {**settings, **timed_settings}
 
     def first(self) -> Made:
+        if self.name == "mitsuba-native" and not _any_native(self.scene):
+            raise UnsupportedError("Mitsuba has no shape for any of these surfaces: all of them would be meshes")
         return self._made(self.settings)
 
     def warm(self) -> Made:
@@ -152,8 +154,6 @@ class Other:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         picture = renderers.render(self.name, self.scene, settings)
         after, told = resource.getrusage(resource.RUSAGE_CHILDREN), picture.metadata
-        if told.get("native_shapes") == 0 and self.settings.get("shapes") == "native":
-            raise UnsupportedError("none of the scene's surfaces is a native shape: all of it would be meshes")
         # a program's processor time is what the system says of it, starting included, a picture at a time
         program = (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / told.get("pictures", 1)
         return Made(picture, Cost(told["first"], program or told["cpu"]), told.get("build"), after.ru_maxrss)
@@ -163,6 +163,12 @@ class Other:
 
     def evaluations(self) -> None:
         return None
+
+
+def _any_native(scene: Scene) -> bool:
+    from converters.mitsuba.shapes import native  # only the process that runs Mitsuba imports it
+
+    return any(native(obj, scene) for obj in scene.objects)
 
 
 class Oracle:

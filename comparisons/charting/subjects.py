@@ -10,7 +10,7 @@ from reference_tracer.scene.model import Camera, Light, Material, Object, Scene,
 from reference_tracer.surfaces.expression import Expression
 
 BRIEF_SCENES = ("figure-07-torus", "figure-09-heart", "figure-reflection")
-BRIEF_SURFACES = ("surface-gyroid",)
+BRIEF_SURFACES = ("surface-blob",)
 GOLDEN = "((1 + sqrt(5)) / 2) ** 2"
 BALL = "(x**2 + y**2 + z**2 - 1)"
 

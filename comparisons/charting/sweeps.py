@@ -62,7 +62,7 @@ def _ours(id: str, title: str, method: str, precision: int = 64, group: str = ""
 
 
 STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
-BRIEF_STEPS = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002)
+BRIEF_STEPS = (0.2, 0.1, 0.05, 0.02, 0.01, 0.005)
 TOLERANCES = (1e-1, 1e-2, 1e-4, 1e-8, 1e-14)
 RESOLUTIONS = (32, 64, 128, 256, 512)
 BRIEF_RESOLUTIONS = (32, 64, 128)
@@ -73,7 +73,7 @@ SWEEPS = (
     _ours("paper-32", "paper, single precision", "paper", 32, key="step_size", parameter="step size", values=STEPS,
           brief=(0.1, 0.01)),
     _ours("paper-newton", "paper, step size 0.01", "paper", group="paper, Newton", settings={"step_size": 0.01},
-          key="tolerance", parameter="Newton’s tolerance", values=TOLERANCES, brief=(1e-1, 1e-2, 1e-4)),
+          key="tolerance", parameter="Newton’s tolerance", values=TOLERANCES, brief=(1e-1, 1e-4)),
     _ours("descartes", "descartes", "descartes"),
     _ours("descartes-32", "descartes, single precision", "descartes", 32),
     _ours("interval", "interval", "interval"),
@@ -86,7 +86,7 @@ SWEEPS = (
     Sweep("mitsuba-native", "Mitsuba, mesh", "Mitsuba, native shapes", "converter", "mitsuba-native",
           {"shapes": "native", "repeat": False}),
     Sweep("mitsuba-sdfgrid", "Mitsuba, grid", "Mitsuba, grid of distances", "converter", "mitsuba-sdfgrid",
-          {"repeat": False}, "resolution", "resolution", RESOLUTIONS[:4], BRIEF_RESOLUTIONS),
+          {"repeat": False}, "resolution", "resolution", RESOLUTIONS[:4], (32, 128)),
     Sweep("embree", "Embree", "Embree, mesh", "converter", "embree", {}, "resolution", "resolution", RESOLUTIONS,
           BRIEF_RESOLUTIONS),
     Sweep("povray-isosurface", "POV-Ray", "POV-Ray, isosurface", "converter", "povray", {"shapes": "isosurface"},

@@ -14,6 +14,7 @@ from comparisons.charting.truth import Truth, make
 from comparisons.charting.turns import take_turns
 from reference_tracer.scene.model import Camera, Object, Scene, Tracing
 from reference_tracer.surfaces.expression import Expression
+from reference_tracer.surfaces.sphere import Sphere
 
 SHAPE = 10, 20
 
@@ -89,6 +90,15 @@ def test_evaluations_are_counted_as_the_literal_method_makes_them():
     assert Ours(scene, "paper", step_size=0.05).evaluations() == 200
     two = scene.model_copy(update={"objects": scene.objects * 2})
     assert Ours(two, "paper", step_size=0.1).evaluations() == 200
+
+
+def test_a_closed_form_takes_f_equally_often_for_every_ray():
+    """Its count is one literal for all rays, which must not be counted as that of one ray."""
+    ball = Object(surface=Sphere(type="sphere", center=(0.0, 0.0, 4.0), r=1.0))
+    scene = Scene(camera=Camera(width=8, height=6), objects=(ball,))
+    count = Ours(scene, "exact").evaluations()
+    assert count >= 1 and count == round(count)
+    assert Ours(scene.model_copy(update={"objects": (ball, ball)}), "exact").evaluations() == 2 * count
 
 
 def test_single_surfaces_cross_the_axis_where_their_formulas_say():
