@@ -81,7 +81,9 @@ def fitted(scene: Scene) -> Scene:
     """`scene`, smaller if its picture takes more camera rays than a search should trace again and again."""
     camera, samples = scene.camera, scene.tracing.samples
     share = (MOST_SEARCHED / (camera.width * camera.height * samples**2)) ** 0.5
-    return scene if share >= 1 else scene.resized(*(max(1, int(share * side)) for side in (camera.width, camera.height)))
+    if share >= 1:
+        return scene
+    return scene.resized(max(1, int(share * camera.width)), max(1, int(share * camera.height)))
 
 
 def _attempt(scene: Scene, small: Scene, yardstick: Yardstick, searched: Yardstick, margin: float, number: int,
@@ -105,16 +107,18 @@ def _attempt(scene: Scene, small: Scene, yardstick: Yardstick, searched: Yardsti
 
 def _decide(yardstick: Yardstick, scene: Scene, pixels: np.ndarray, margin: float, limit: float,
             progress: Progress) -> list[Decision]:
-    """Every decision in turn, each judged together with those before it."""
+    """Every decision in turn, each in force as soon as it is made."""
     search = Search(yardstick, scene, pixels, margin * yardstick.tolerance, time.monotonic() + limit)
     decisions: list[Decision] = []
     for k, decide in enumerate(ORDER):
-        progress(decide.__module__.rpartition(".")[2].replace("_", " "), 0.05 + 0.65 * k / len(ORDER))
+        what = decide.__module__.rpartition(".")[2].replace("_", " ")
+        progress(what, 0.05 + 0.65 * k / len(ORDER))
         try:
-            decisions += decide(search)
+            for decision in decide(search):
+                decisions.append(decision)
+                search.scene = applied(scene, decisions)
         except OutOfTime:
-            decisions.append(Decision(decide.__module__.rpartition(".")[2], "", "", f"not tried: {limit:g} s were over"))
-        search.scene = applied(scene, decisions)
+            decisions.append(Decision(what, "", "", f"not tried: {limit:g} s were over", None, search.tried()))
     return decisions
 
 

@@ -48,7 +48,7 @@ class Proof(Record):
     pixels: int = Field(description="of the whole picture")
     held_back: int = Field(description="pixels that were not used to decide anything")
     largest: float = Field(description="largest difference of any channel of a held-back pixel that is not excused")
-    excused: int = Field(description="held-back pixels over the tolerance by no more than rounding alone may change them")
+    excused: int = Field(description="held-back pixels over the tolerance that rounding alone may change as much")
     excused_largest: float = 0.0
     most_excused: int = Field(description="how many may be excused")
     holds: bool
@@ -57,7 +57,6 @@ class Proof(Record):
 class Ratio(Record):
     """How many times longer the scene as written takes than the planned one, turn by turn."""
 
-    method: str = Field(description="with which the scene as written was rendered; or a whole call of render with it")
     wall: Spread
     cpu: Spread
     clock: Clock = Field(description="the one that counts: wall on a quiet machine, else processor time")
@@ -72,16 +71,16 @@ class Ratio(Record):
 
 
 class Saved(Record):
-    """What the plan saves; all kernels compiled before. Colours alone, made ready; or a whole call with all planes."""
+    """What the plan saves, all kernels compiled before."""
 
-    ratios: list[Ratio]
+    exact: Ratio = Field(description="colours of scenes made ready; as written with exact intersections")
+    paper: Ratio = Field(description="the same; as written with the document's own method")
+    call: Ratio = Field(description="a whole call of render, all planes; as written with exact intersections")
     turns: int
     others: float = Field(description="cores that other programs of the machine kept busy meanwhile")
     seconds: dict[str, Seconds]
-    rays: dict[str, int] = Field(description="camera and secondary rays, with those that pad queues")
-
-    def ratio(self, method: str) -> Ratio:
-        return next(r for r in self.ratios if r.method == method)
+    rays_written: int = Field(description="camera and secondary rays, with those that pad queues")
+    rays_planned: int
 
 
 class MeshTrial(Record):
@@ -116,8 +115,8 @@ class Plan(Record):
     saved: Saved
     meshes: list[MeshTrial] = []
     planned: dict = Field(description="the planned scene, as a scene file says it")
-    planes: str = Field("", description="the .npz file, relative to the results: color, the planned picture of 8 bits a "
-                                        "channel, and change, the largest difference of a channel of every pixel")
+    planes: str = Field("", description="the .npz file, relative to the results: color, the planned picture in 8 bits "
+                                        "a channel, and change, the largest difference of a channel of every pixel")
     command: str
 
 

@@ -13,18 +13,17 @@ from .yardstick import COLOUR
 
 TURNS = 9
 BUDGET = 20.0  # seconds
-METHODS = ("exact", "paper")  # with which the scene as written is rendered
+PLANNED, EXACT, PAPER = "planned", "exact", "paper"
+PLANNED_CALL, EXACT_CALL = f"{PLANNED}, whole call", f"{EXACT}, whole call"
 
 
 def measure(written: Scene, planned: Scene, turns: int = TURNS) -> Saved:
-    """Ratios of time, everything compiled before: of the colours of a scene that is made ready, as for a picture after
-    the first; and of a call of `render` with all planes and everything it does each time."""
-    replays = {"planned": Renderer(planned), **{method: Renderer(written, method) for method in METHODS}}
+    """Ratios of time, everything compiled before: of the colours of a scene that is made ready, as for every picture
+    after the first; and of a call of `render` with all planes and everything it does each time."""
+    ready = {PLANNED: Renderer(planned), EXACT: Renderer(written, EXACT), PAPER: Renderer(written, PAPER)}
     work: dict[str, Callable[[], Picture]] = {
-        **{name: lambda r=renderer: r.picture(COLOUR) for name, renderer in replays.items()},
-        "planned, render()": lambda: render(planned, "exact"),
-        "exact, render()": lambda: render(written, "exact"),
-    }
+        **{name: lambda renderer=renderer: renderer.picture(COLOUR) for name, renderer in ready.items()},
+        PLANNED_CALL: lambda: render(planned), EXACT_CALL: lambda: render(written)}
     rays: dict[str, int] = {}
 
     def contestant(name: str) -> Contestant:
@@ -37,8 +36,10 @@ def measure(written: Scene, planned: Scene, turns: int = TURNS) -> Saved:
 
     measured = take_turns([contestant(name) for name in work], turns, BUDGET)
     clock = "wall" if measured.others < QUIET else "cpu"
-    pairs = {**{method: (method, "planned") for method in METHODS}, "exact, render()": ("exact, render()", "planned, render()")}
-    ratios = [Ratio(method=name, wall=measured.ratio(*pair, "wall"), cpu=measured.ratio(*pair, "cpu"), clock=clock)
-              for name, pair in pairs.items()]
-    return Saved(ratios=ratios, turns=len(measured.costs["planned"]), others=round(measured.others, 3),
-                 seconds=measured.seconds(), rays={name: rays[name] for name in replays})
+
+    def ratio(slow: str, fast: str) -> Ratio:
+        return Ratio(wall=measured.ratio(slow, fast, "wall"), cpu=measured.ratio(slow, fast, "cpu"), clock=clock)
+
+    return Saved(exact=ratio(EXACT, PLANNED), paper=ratio(PAPER, PLANNED), call=ratio(EXACT_CALL, PLANNED_CALL),
+                 turns=len(measured.costs[PLANNED]), others=round(measured.others, 3), seconds=measured.seconds(),
+                 rays_written=rays[EXACT], rays_planned=rays[PLANNED])

@@ -55,7 +55,7 @@ class Search:
     """`scene` is what is planned so far, at the size of the search; `written` the scene it began with."""
 
     def __init__(self, yardstick: Yardstick, written: Scene, pixels: np.ndarray, limit: float, deadline: float):
-        """`pixels` (h, w, bool) decide; they may change by `limit`; the search ends at `deadline` (time.monotonic())."""
+        """`pixels` (h, w, bool) decide; they may change by `limit`; `deadline` is a time.monotonic()."""
         self.yardstick, self.written, self.scene = yardstick, written, written
         self.pixels, self.limit, self.deadline = pixels, limit, deadline
         self.seen = Seen(yardstick.scene, pixels)

@@ -9,8 +9,8 @@ def told(plan: Plan) -> str:
     """What was decided and why, what is proven, what is saved."""
     head = f"{plan.scene}, {plan.width} x {plan.height}, tolerance {plan.tolerance:g}"
     widths = [max(len(row[k]) for row in map(_cells, plan.decisions)) for k in range(3)] if plan.decisions else []
-    rows = ["  " + "  ".join([*(cell.ljust(width) for cell, width in zip(_cells(d), widths)), d.evidence]).rstrip()
-            for d in plan.decisions]
+    row = lambda d: "  ".join([*(cell.ljust(width) for cell, width in zip(_cells(d), widths)), d.evidence])
+    rows = ["  " + row(d).rstrip() for d in plan.decisions]
     return "\n".join([head, *rows, f"  {_proof(plan)}", f"  {_saved(plan.saved)}", *map(_mesh, plan.meshes)])
 
 
@@ -25,14 +25,16 @@ def _proof(plan: Plan) -> str:
     word = "PROVEN" if proof.holds else "NOT PROVEN"
     excused = f"; rounding excuses {proof.excused} more (at most {proof.most_excused})" if proof.excused else ""
     attempt = f"; attempt {plan.attempts}" if plan.attempts > 1 else ""
-    return (f"{word} on {proof.held_back:,} pixels held back: largest difference {proof.largest:.2g}{excused}{attempt}; "
+    largest = f"largest difference {proof.largest:.2g}"
+    return (f"{word} on {proof.held_back:,} pixels held back: {largest}{excused}{attempt}; "
             f"found in {plan.seconds:.0f} s, {plan.cpu_seconds:.0f} s of processor time")
 
 
 def _saved(saved: Saved) -> str:
-    times = ", ".join(f"{r.value:.2f} x ({r.spread.low:.2f} to {r.spread.high:.2f}) as {r.method}" for r in saved.ratios)
-    return (f"FASTER by {saved.ratios[0].clock} time than as written: {times}; rays {saved.rays['planned']:,} of "
-            f"{saved.rays['exact']:,}; {saved.turns} turns")
+    ratios = (saved.exact, "with exact"), (saved.paper, "with paper"), (saved.call, "by whole calls with exact")
+    times = ", ".join(f"{r.value:.2f} x ({r.spread.low:.2f} to {r.spread.high:.2f}) {words}" for r, words in ratios)
+    return (f"FASTER than as written by {saved.exact.clock} time: {times}; {saved.turns} turns; "
+            f"{saved.rays_planned:,} of {saved.rays_written:,} rays")
 
 
 def _mesh(trial: MeshTrial) -> str:

@@ -25,7 +25,7 @@ def scene(*objects, lights=((0, 5, 0),), **tracing) -> Scene:
 
 
 def corridor() -> Scene:
-    """Between two mirrors, a light at the camera: generation k adds (1 - R) R^k to every pixel, nearly: rays are steep."""
+    """Two mirrors, a light at the camera: generation k adds (1 - R) R^k to every pixel, nearly: all rays are steep."""
     written = scene(*MIRRORS, lights=[(0, 0, 0)])
     return written.model_copy(update={"camera": written.camera.model_copy(update={"fov": 1.0})})
 

@@ -7,8 +7,9 @@ import pytest
 from planning_support import BALL, HEIGHT, WIDTH, corridor, scene
 
 from comparisons.planning import halves, planner, results
-from comparisons.planning.search import Decision
+from comparisons.planning.search import Decision, Search
 from comparisons.planning.text import told
+from comparisons.planning.yardstick import Yardstick
 from raytruth.cli import main
 from reference_tracer.errors import InputError
 from reference_tracer.render import render
@@ -38,8 +39,8 @@ def test_a_planned_scene_renders_to_the_tolerance_on_pixels_held_back(planned, t
 
 def test_what_is_saved_is_told(planned):
     saved = planned.plan.saved
-    assert saved.rays["planned"] == saved.rays["exact"] * 4 // 9  # generations 0 to 3 of 0 to 8
-    assert {r.method for r in saved.ratios} == {"exact", "paper", "exact, render()"} and all(r.value > 0 for r in saved.ratios)
+    assert saved.rays_planned == saved.rays_written * 4 // 9  # generations 0 to 3 of 0 to 8
+    assert all(ratio.value > 0 for ratio in (saved.exact, saved.paper, saved.call))
     text = told(planned.plan)
     assert "PROVEN" in text and "recursion depth" in text and "FASTER" in text
 
@@ -58,14 +59,31 @@ def test_a_plan_that_fails_its_proof_is_given_up(monkeypatch):
 
 
 def test_decisions_are_withdrawn_if_together_they_exceed_the_tolerance(planned):
-    from comparisons.planning.yardstick import Yardstick
-
     written = corridor()
     fine = Decision("cutoff", "0", "1e-5", "", lambda s: s.traced_with(cutoff=1e-5))
     coarse = Decision("recursion depth", "8", "0", "", lambda s: s.traced_with(max_depth=0))
     planner._withdraw(written, Yardstick(written, TOLERANCE), np.ones((HEIGHT, WIDTH), bool), 0.9, [fine, coarse])
     assert coarse.withdrawn and not fine.withdrawn
     assert not coarse.record().changed and coarse.record().planned == "8"
+
+
+def test_decisions_of_one_kind_are_judged_together(monkeypatch):
+    """Leaving out generation 3 changes a pixel by 1e-3, dimmer light by 5e-4: each is within 1.35e-3, both are not."""
+    def dimmer(s):
+        return s.model_copy(update={"lights": tuple(
+            light.model_copy(update={"brightness": (1 - 5e-4,) * 3}) for light in s.lights)})
+
+    def decide(search):
+        for change in (lambda s: s.traced_with(max_depth=2), dimmer):
+            fits = search.holds("", change)
+            yield Decision("", "", "", "", change if fits else None, search.tried())
+
+    monkeypatch.setattr(planner, "ORDER", (decide,))
+    written, pixels = corridor(), np.ones((HEIGHT, WIDTH), bool)
+    shallow, dim = planner._decide(Yardstick(written, 1.5e-3), written, pixels, 0.9, 60, lambda *_: None)
+    assert [d.trials[0].holds for d in (shallow, dim)] == [True, False]
+    assert dim.trials[0].change == pytest.approx(1.5e-3, rel=0.02)
+    assert Search(Yardstick(written, 1.5e-3), written, pixels, 1.35e-3, float("inf")).holds("", dimmer)  # alone
 
 
 def test_a_large_picture_is_searched_on_a_smaller_one():

@@ -7,7 +7,8 @@ import pytest
 from planning_support import BALL, FLOOR, HEIGHT, REFLECTION, WIDTH, corridor, scene, searching
 
 from comparisons.planning import halves
-from comparisons.planning.decisions import cutoff, depth, distance, effects, first_hit, objects, precision, samples, shadows
+from comparisons.planning.decisions import (cutoff, depth, distance, effects, first_hit, objects, precision, samples,
+                                            shadows)
 from comparisons.planning.groups import removable
 from comparisons.planning.ladder import cheapest
 from comparisons.planning.search import OutOfTime
@@ -15,7 +16,7 @@ from comparisons.planning.seen import Seen
 from comparisons.planning.yardstick import MOST_EXCUSED, Yardstick
 
 EVERY = np.ones((HEIGHT, WIDTH), bool)
-NEEDED = 3  # generations: leaving out those beyond changes a pixel by R^4 = 1e-4; one less by R^3 = 1e-3, over 0.9 of it
+NEEDED = 3  # generations: without those beyond a pixel changes by R^4 = 1e-4; one less and it is R^3 = 1e-3, too much
 
 
 @pytest.mark.parametrize("length", [1, 2, 7, 8, 50])
@@ -55,7 +56,7 @@ def test_a_cutoff_leaves_out_the_generations_that_do_not_show():
 
 
 def test_a_shadow_matters_where_one_falls_and_not_on_a_ball_alone():
-    together, alone = (effects.decide(searching(scene(*parts)))[0] for parts in ((FLOOR, BALL), (BALL,)))
+    together, alone = (next(effects.decide(searching(scene(*parts)))) for parts in ((FLOOR, BALL), (BALL,)))
     assert together.change is None and together.trials[0].change > 0.1
     assert alone.planned == "left out" and alone.trials[0].change == 0
 
@@ -119,8 +120,9 @@ def test_rays_end_behind_the_farthest_hit():
 
 
 def test_a_closed_form_is_left_alone_and_a_step_too_large_is_refused():
-    ring = {"surface": {"type": "torus", "center": [0, 0, 4], "R": 1, "r": 0.1}, "rotation": {"axis": [1, 0, 0], "degrees": 60}}
-    sphere, torus = first_hit.decide(searching(scene(BALL)))[0], first_hit.decide(searching(scene(ring)))[0]
+    ring = {"surface": {"type": "torus", "center": [0, 0, 4], "R": 1, "r": 0.1},
+            "rotation": {"axis": [1, 0, 0], "degrees": 60}}
+    sphere, torus = (next(first_hit.decide(searching(scene(solid)))) for solid in (BALL, ring))
     assert sphere.change is None and not sphere.trials
     steps = {float(t.value.split()[-1]): t.holds for t in torus.trials if t.value.startswith("paper")}
     assert all(not holds for h, holds in steps.items() if h > 0.2)  # longer than the ring is thick

@@ -1,16 +1,16 @@
-"""What is decided, in this order: one file a parameter, each with a function `decide(search) -> Decision`.
+"""What is decided, in this order: one file a parameter, each with a function `decide(search)` of decisions.
 
-Where nothing changes the decision's `change` is None. A decision never makes a picture dearer, so that a later one
-may rely on the earlier ones.
+Each decision is in force as soon as it is made, and every trial after it is judged together with it. Where nothing
+changes a decision's `change` is None.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from ..search import Decision, Search
 from . import cutoff, depth, distance, effects, first_hit, objects, precision, samples, shadows
 
-ORDER: tuple[Callable[[Search], list[Decision]], ...] = (
+ORDER: tuple[Callable[[Search], Iterable[Decision]], ...] = (
     objects.decide, effects.decide, cutoff.decide, depth.decide, precision.decide, shadows.decide, first_hit.decide,
     samples.decide, distance.decide)

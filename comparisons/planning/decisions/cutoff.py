@@ -18,5 +18,6 @@ def decide(search: Search) -> list[Decision]:
     if found is None:
         return [Decision("cutoff", f"{written:g}", f"{written:g}", "every smaller weight shows", None, trials)]
     worst = next(t.change for t in trials if t.value == f"{found:.2g}")
-    return [Decision("cutoff", f"{written:g}", f"{found:.2g}", f"all rays left out change a pixel by {worst:.2g} at most",
+    evidence = f"all rays left out change a pixel by {worst:.2g} at most"
+    return [Decision("cutoff", f"{written:g}", f"{found:.2g}", evidence,
                      lambda s: s.traced_with(cutoff=found), trials)]

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from reference_tracer.scene.model import EFFECTS, Scene
 
 from ..search import Decision, Search, changing
 
 
-def decide(search: Search) -> list[Decision]:
-    return [_decide(search, effect) for effect in EFFECTS if effect in search.written.tracing.effects]
+def decide(search: Search) -> Iterator[Decision]:
+    for effect in EFFECTS:
+        if effect in search.written.tracing.effects:
+            yield _decide(search, effect)
 
 
 def _decide(search: Search, effect: str) -> Decision:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from reference_tracer.first_hit.exact import cheapest_exact
 from reference_tracer.scene.model import MOST_STEPS, FirstHitChoice, Object
 
@@ -12,16 +14,14 @@ STEPS = tuple(4 * 2.0**-k for k in range(8))  # step sizes, 4 to 0.03: smaller o
 MOST_TRIED = 4  # kinds of surfaces without a closed form; others stay as written
 
 
-def decide(search: Search) -> list[Decision]:
+def decide(search: Search) -> Iterator[Decision]:
     families: dict[tuple, list[Object]] = {}
     for obj in search.scene.objects:
         families.setdefault(obj.surface.family, []).append(obj)
-    decisions, tried = [], 0
+    tried = 0
     for family, members in sorted(families.items(), key=lambda entry: _closed_form(entry[1][0])):
-        decisions.append(_decide(search, family, members, tried < MOST_TRIED))
+        yield _decide(search, family, members, tried < MOST_TRIED)
         tried += not _closed_form(members[0])
-    return decisions
-
 
 def _decide(search: Search, family: tuple, members: list[Object], trying: bool) -> Decision:
     """One decision for all objects that share f: they are in the same kernels anyway."""

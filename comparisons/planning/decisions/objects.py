@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from reference_tracer.scene.model import Scene
-
 from ..groups import removable
-from ..search import Decision, Search
+from ..search import Change, Decision, Search
 
 MOST_TRIALS = 16  # beyond them objects stay
 
@@ -19,15 +17,13 @@ def decide(search: Search) -> list[Decision]:
         return [Decision("objects", str(count), str(count), "rays meet every one of them")]
     dropped = removable([unseen], lambda group: search.holds(f"without {search.named(group)}", _without(group)),
                         MOST_TRIALS)
+    trials = search.tried()
     if not dropped:
-        return [Decision("objects", str(count), str(count), "those that no ray meets cast shadows", None, search.tried())]
-    return [Decision("objects", str(count), str(count - len(dropped)),
-                     f"no ray meets {search.named(dropped)}, and no shadow misses them", _without(dropped), search.tried())]
+        return [Decision("objects", str(count), str(count), "those that no ray meets cast shadows", None, trials)]
+    evidence = f"no ray meets {search.named(dropped)}, and no shadow misses them"
+    return [Decision("objects", str(count), str(count - len(dropped)), evidence, _without(dropped), trials)]
 
 
-def _without(dropped: Collection[int]):
-    return lambda scene: _keeping(scene, [k for k in range(len(scene.objects)) if k not in dropped])
-
-
-def _keeping(scene: Scene, kept: list[int]) -> Scene:
-    return scene.model_copy(update={"objects": tuple(scene.objects[k] for k in kept)})
+def _without(dropped: Collection[int]) -> Change:
+    return lambda scene: scene.model_copy(update={
+        "objects": tuple(o for k, o in enumerate(scene.objects) if k not in dropped)})

@@ -27,8 +27,9 @@ def decide(search: Search) -> list[Decision]:
     trials = search.tried()
     if not without:
         return [Decision("objects with shadows", written, written, "every one's shadow shows", None, trials)]
-    return [Decision("objects with shadows", written, str(len(casting) - len(without)),
-                     f"no shadow of {named(sorted(without))} shows", _without_shadow([objects[k] for k in without]), trials)]
+    evidence = f"no shadow of {named(sorted(without))} shows"
+    return [Decision("objects with shadows", written, str(len(casting) - len(without)), evidence,
+                     _without_shadow([objects[k] for k in without]), trials)]
 
 
 def _without_shadow(chosen: Collection[Object]) -> Change:
