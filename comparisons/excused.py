@@ -22,7 +22,7 @@ from .metrics import Planes, pixel_error
 from .process import Worker
 
 FOLDER = "sensitivity"
-PROBES = 32  # a tie that rounding decides stays undetected by n probes with probability 2^-n, and a scene may have hundreds
+PROBES = 12  # a jump that rounding decides by halves escapes n probes with probability 2^-n
 TIE = 1e-12  # relative difference of distances that fp64 cannot tell apart
 
 
