@@ -86,7 +86,7 @@ class Conversion:
 
     def _parts(self, k: int, obj: Object, shown: str) -> list[tuple[str, str]]:
         """The shapes and materials that stand for object `k`; a part that casts no shadow has a twin that does."""
-        shape, seen = self._shapes(k, obj)
+        shape, seen = self._shapes(k, obj, shown in ("color", "share"))
         if shape is None:
             return []
         # a twin that holds the camera would be taken for a medium around it
@@ -105,7 +105,7 @@ class Conversion:
             return [(seen, f"{materials.opaque(m, own)} no_shadow"), (shadow, materials.twin(m))]
         return [(seen, materials.opaque(m, own))]
 
-    def _shapes(self, k: int, obj: Object) -> tuple[str | None, str | None]:
+    def _shapes(self, k: int, obj: Object, with_secondary_rays: bool) -> tuple[str | None, str | None]:
         """The whole shape of object `k`, and what rays that look for a hit may see of it; None where that is nothing."""
         if k not in self.containers:
             whole = shapes.native(obj, self.scale)
@@ -114,7 +114,7 @@ class Conversion:
             return None, None
         clipped = self._is_clipped(k)
         whole = shapes.isosurface(obj, self.scale, self.containers[k], self.accuracy, self.gradients[k],
-                                  every_root=clipped or obj.material.transparency > 0)
+                                  every_root=clipped or with_secondary_rays)
         eye = vector(self.scale * np.array(self.scene.camera.position))
         return whole, f"{whole} clipped_by {{ sphere {{ {eye}, {number(END)} }} }}" if clipped else whole
 

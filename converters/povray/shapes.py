@@ -40,7 +40,8 @@ def isosurface(obj: Object, scale: float, container: np.ndarray, accuracy: float
                every_root: bool) -> str:
     """`obj` as an isosurface of its regular form within `container` (2, 3), in the surface's own frame.
 
-    Finding only the first root of a ray takes half the time; clipped and transparent ones need `every_root`.
+    Finding only the first root of a ray takes half the time. What is clipped needs `every_root`, and so do rays that
+    start on the surface, whose first root may be their own origin.
     """
     center = scale * np.array(obj.surface.center)
     low, high = container
