@@ -54,13 +54,15 @@ class Competitor(Protocol):
 
 def competitor(scene: Scene, renderer: str, settings: dict, timed_settings: dict, truth: Path | None,
                threads: int | None) -> Competitor:
-    """Raises InputError for what is not known."""
+    """Raises InputError for what is not known, UnsupportedError for what cannot do the scene."""
     if renderer != "reference":
         return Other(scene, renderer, settings, timed_settings)
     settings = dict(settings)
     method = settings.pop("method")
     if method == "oracle":
         return Oracle(scene, truth)
+    if method == "descartes" and all(obj.surface.degree is None for obj in scene.objects):
+        raise UnsupportedError("none of the surfaces is algebraic: Descartes' rule does not apply")
     if method == "crude":  # the sign of f at the ray's end, and nothing before it
         method, settings["step_size"] = "paper", min(scene.tracing.max_distance, LARGEST_STEP)
     return Ours(scene, method, threads=threads, **settings)

@@ -7,11 +7,12 @@ from comparisons.bench.results import Spread
 from comparisons.charting.accuracy import OTHER_ROOT, accuracy, uncertainty
 from comparisons.charting.findings import findings
 from comparisons.charting.frontier import frontier
-from comparisons.charting.measuring import Ours
+from comparisons.charting.measuring import Ours, competitor
 from comparisons.charting.results import Accuracy, Point, Series, Times, clock
 from comparisons.charting.subjects import FORMULAS, surface
 from comparisons.charting.truth import Truth, make
 from comparisons.charting.turns import take_turns
+from reference_tracer.errors import UnsupportedError
 from reference_tracer.scene.model import Camera, Object, Scene, Tracing
 from reference_tracer.surfaces.expression import Expression
 from reference_tracer.surfaces.sphere import Sphere
@@ -99,6 +100,14 @@ def test_a_closed_form_takes_f_equally_often_for_every_ray():
     count = Ours(scene, "exact").evaluations()
     assert count >= 1 and count == round(count)
     assert Ours(scene.model_copy(update={"objects": (ball, ball)}), "exact").evaluations() == 2 * count
+
+
+def test_descartes_does_not_lend_its_name_to_intervals():
+    blob, shell = (surface(name).resized(8, 6) for name in ("surface-blob", "surface-thin-shell"))
+    ask = lambda scene: competitor(scene, "reference", {"method": "descartes"}, {}, None, None)
+    with pytest.raises(UnsupportedError, match="algebraic"):
+        ask(blob)
+    assert ask(shell).method == "descartes"
 
 
 def test_single_surfaces_cross_the_axis_where_their_formulas_say():
