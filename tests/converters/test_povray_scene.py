@@ -142,3 +142,10 @@ def test_weights_of_glass_add_up(scene_of):
         assert number("refraction") == pytest.approx(T + R * (1 - T), rel=1e-5)
         assert number(r"finish \{ diffuse") * (1 - transmitted) == pytest.approx((1 - R) * (1 - T), abs=1e-12)
         assert number(r"reflection \{") == pytest.approx(R * (1 - T)) and math.isfinite(transmitted)
+
+
+def test_rays_that_start_on_an_isosurface_see_all_its_roots(scene_of):
+    """The first one may be the ray's own origin, and the shadow of the next would be lost."""
+    converted = convert(scene_of(Heart(center=(0.0, 0.0, 4.0))))
+    assert "all_intersections" in converted.text() and "max_trace 1" not in converted.text()
+    assert "max_trace 1" in converted.text("distance")
