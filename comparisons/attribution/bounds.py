@@ -14,7 +14,7 @@ from skimage.morphology import dilation
 
 from reference_tracer.render import UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
-from reference_tracer.sensitivity import ORIGIN_UNITS, SAFETY, UNIT, perturbed
+from reference_tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, SAFETY, UNIT, perturbed
 
 PROBES = 5
 AROUND = np.ones((3, 3), bool)
@@ -33,7 +33,7 @@ class Accuracy:
 
 SINGLE = Accuracy(UNIT[32], color=2e-5, depth=5e-6, normal=5e-5, stray=3e-4)
 ISOSURFACE = replace(SINGLE, color=2e-4, normal=1e-3)  # POV-Ray's, at an accuracy of 1e-8
-MESH = Accuracy(UNIT[32], color=2e-3, depth=2e-4, normal=4e-3, stray=5e-3)  # of 256 cells
+MESH = Accuracy(UNIT[32], color=1e-3, depth=1e-4, normal=4e-3, stray=5e-3)  # of 256 cells
 
 
 def accuracy_of(pictures: list[Picture]) -> Accuracy:
@@ -41,10 +41,17 @@ def accuracy_of(pictures: list[Picture]) -> Accuracy:
     facts = [p.metadata for p in pictures]
     meshed = [float(f["measured_mesh_error"]) for f in facts if f.get("measured_mesh_error")]
     if meshed:
-        return replace(MESH, unit=max(MESH.unit, max(meshed) / ORIGIN_UNITS))
+        return replace(MESH, unit=max(MESH.unit, max(meshed) / _moved_by_a_unit(pictures[0])))
     accuracy = ISOSURFACE if any(f.get("isosurfaces") for f in facts) else SINGLE
     # colours of a fixed number of bits are as fine as the brightest of them allows
     return replace(accuracy, color=accuracy.color * max([1.0, *(f["brightest"] for f in facts if f.get("brightest"))]))
+
+
+def _moved_by_a_unit(picture: Picture) -> float:
+    """How far from its place a unit of perturbation moves a typical hit at most."""
+    hits = picture.t[picture.index >= 0]
+    distance = float(np.median(hits)) if hits.size else 0.0
+    return ORIGIN_UNITS * max(1.0, float(np.linalg.norm(picture.scene.camera.position))) + DIRECTION_UNITS * distance
 
 
 @dataclass(frozen=True)

@@ -46,12 +46,19 @@ def run(arguments) -> int:
 
 
 def _one(arguments) -> int:
+    from pydantic import ValidationError
+
     from comparisons.attribution import side
     from comparisons.attribution.attribute import attribute
     from comparisons.progress import Progress
+    from reference_tracer.errors import InputError
     from reference_tracer.scene.library import find
+    from reference_tracer.scene.load import one_line
 
-    scene = find(arguments.scene).resized(*arguments.size)
+    try:
+        scene = find(arguments.scene).resized(*arguments.size)
+    except ValidationError as error:
+        raise InputError(f"--size: {one_line(error)}") from None
     if arguments.fault is not None:
         a, b = side.of_renderer(arguments.renderer), side.of_fault(arguments.fault)
     else:
