@@ -19,7 +19,7 @@ from .search import Decision, OutOfTime, Search
 from .yardstick import COLOUR, Yardstick
 
 MARGINS = (0.9, 0.5)  # shares of the tolerance that decisions may use: the second if the first plan fails its proof
-MOST_SEARCHED = 1 << 22  # camera rays of a picture that is searched on; a larger scene is searched on a smaller picture
+MOST_SEARCHED = 1 << 25  # camera rays of a picture that is searched on; a larger scene is searched on a smaller picture
 LIMIT = 60.0  # seconds for the search
 SUFFIX, LONGEST_NAME, LONGEST_TEXT = "-planned", 80, 2000  # of a scene file
 
@@ -101,7 +101,7 @@ def _attempt(scene: Scene, small: Scene, yardstick: Yardstick, searched: Yardsti
     difference = yardstick.difference(change, held_back, planned.tracing.precision)
     proof = Proof(pixels=change.size, held_back=int(held_back.sum()), largest=difference.largest,
                   excused=difference.excused, excused_largest=difference.excused_largest,
-                  most_excused=yardstick.most_excused(held_back), holds=difference.largest <= yardstick.tolerance)
+                  most_excused=yardstick.most_excused(held_back), holds=difference.over == 0)
     return Attempt(margin, decisions, planned, proof, color, change)
 
 
@@ -127,8 +127,8 @@ def _withdraw(scene: Scene, yardstick: Yardstick, pixels: np.ndarray, margin: fl
     changing = [d for d in decisions if d.change]
     while changing:
         planned = applied(scene, decisions)
-        difference = yardstick.difference(yardstick.change(planned), pixels, planned.tracing.precision)
-        if difference.largest <= margin * yardstick.tolerance:
+        limit = margin * yardstick.tolerance
+        if not yardstick.difference(yardstick.change(planned), pixels, planned.tracing.precision, limit).over:
             return
         changing.pop().withdrawn = True
 

@@ -74,8 +74,8 @@ class Search:
             self._trials.append(Trial(value=value, change=obvious, holds=False))
             return False
         difference = self.yardstick.difference(self.yardstick.change(candidate), self.pixels,
-                                               candidate.tracing.precision)
-        fits = difference.largest <= self.limit and difference.over == 0
+                                               candidate.tracing.precision, self.limit)
+        fits = difference.over == 0
         self._trials.append(Trial(value=value, change=difference.largest, holds=fits))
         return fits
 

@@ -27,7 +27,7 @@ class Difference:
     largest: float  # of any channel; of pixels that are not excused
     excused: int
     excused_largest: float
-    over: int  # pixels beyond the tolerance that are not excused
+    over: int  # pixels beyond the limit that are not excused
 
 
 class Yardstick:
@@ -46,13 +46,14 @@ class Yardstick:
         change = np.abs(color - self.color).max(axis=-1)
         return np.where(np.isfinite(change), change, np.inf)
 
-    def difference(self, change: np.ndarray, pixels: np.ndarray, precision: int) -> Difference:
+    def difference(self, change: np.ndarray, pixels: np.ndarray, precision: int,
+                   limit: float | None = None) -> Difference:
         """What counts of `change` on `pixels` (h, w, bool), for a picture computed in `precision` bits.
 
-        A pixel over the tolerance is excused if rounding to that precision alone may change it as much; the map that
+        A pixel over `limit` (default: the tolerance) is excused if rounding to that precision alone may change it as much; the map that
         says so is measured only if few enough pixels ask for it.
         """
-        over = (change > self.tolerance) & pixels
+        over = (change > (self.tolerance if limit is None else limit)) & pixels
         excused = np.zeros_like(over)
         if 0 < over.sum() <= self.most_excused(pixels):
             excused = over & (change <= self._bound(precision))

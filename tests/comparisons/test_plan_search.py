@@ -152,6 +152,12 @@ def test_only_what_rounding_may_change_is_excused():
     assert yardstick.difference(change, pixels, 32).largest >= 0.002
     change[20, 3], change[10, 0] = 0, 0.6  # more than rounding moves it
     assert yardstick.difference(change, pixels, 32).largest == 0.6
-    change[10, 0], change[10, allowed] = 0.4, 0.4  # one too many
+    change[20, 3], change[10, 0] = 9.5e-4, 0.4  # within the tolerance, but not within a smaller limit
+    assert yardstick.difference(change, pixels, 32).over == 0
+    change[10, 0] = 0  # leaves room for one
+    assert yardstick.difference(change, pixels, 32, limit=9e-4).over == 1
+    bound[20, 3] = 1e-3
+    assert yardstick.difference(change, pixels, 32, limit=9e-4).over == 0
+    change[20, 3], change[10, 0], change[10, allowed] = 0, 0.4, 0.4  # one too many
     assert yardstick.difference(change, pixels, 32).largest == 0.4
     assert np.isinf(yardstick.from_truth(yardstick.color * np.nan)).all()

@@ -12,5 +12,5 @@ from ..search import Decision, Search
 from . import cutoff, depth, distance, effects, first_hit, objects, precision, samples, shadows
 
 ORDER: tuple[Callable[[Search], Iterable[Decision]], ...] = (
-    objects.decide, effects.decide, cutoff.decide, depth.decide, precision.decide, shadows.decide, first_hit.decide,
-    samples.decide, distance.decide)
+    objects.decide, effects.decide, samples.decide, cutoff.decide, depth.decide, precision.decide, shadows.decide,
+    first_hit.decide, distance.decide)
