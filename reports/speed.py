@@ -85,11 +85,15 @@ class Speed:
             rounding = "rounding"
             charts = (
                 made("wrong", "wrong pixels", whole, share, picture, wrong),
+                made("visible", "visibly wrong pixels", whole, f"visibly {share}", picture,
+                     lambda p: p.accuracy.visible),
                 made("hits", "wrong pixels, first hits alone", of_hits, share, hits, wrong, alone=True),
                 made("evaluations", "wrong pixels, evaluations of f", "evaluations of f, a camera ray", share, count,
                      wrong, alone=True),
                 made("color", "colour", whole, "error of colour, 99th percentile", picture,
                      lambda p: p.accuracy.color_p99, u.color_p99, rounding),
+                made("largest-color", "largest error of colour", whole, "largest error of colour", picture,
+                     lambda p: p.accuracy.color_max, u.color_max, rounding),
                 made("depth", "depth", whole, "error of depth, 99th percentile", picture,
                      lambda p: p.accuracy.depth_p99, u.depth_p99, rounding),
                 made("largest", "largest error of depth", whole, "largest error of depth", picture,

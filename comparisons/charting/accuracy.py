@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..metrics import Planes, pixel_error
+from ..metrics import VISIBLE, Planes, pixel_error
 from .results import Accuracy, Uncertainty
 from .truth import Truth
 
@@ -22,6 +22,7 @@ def accuracy(truth: Truth, planes: Planes) -> Accuracy:
     wrong = decided & (~same | (hit & ~(depth <= OTHER_ROOT)) | np.isnan(color))
     right = decided & ~wrong & hit
     return Accuracy(pixels=int(decided.sum()), wrong=int(wrong.sum()),
+                    visible=int((decided & ~(color <= VISIBLE)).sum()),
                     depth_p99=_quantile(depth[right]), depth_max=_largest(depth[right]),
                     color_p99=_quantile(color[decided & ~np.isnan(color)]),
                     color_max=_largest(color[decided & ~np.isnan(color)]),

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Literal
 
 from ..bench.results import Clock
 from .results import Point, Series
 
 FEW = 10  # wrong pixels: where other renderers are asked for as good a picture
 LITERAL, EXACT = "paper", "exact"  # ids of series
+WORDS = {"wrong": "wrong", "visible": "visibly wrong"}
 
 Cost = Callable[[Point], float | None]
 
 
 def findings(series: list[Series], clock: Clock) -> list[str]:
     """A sentence for each thing that the points show; none where they do not."""
-    of_hits = lambda p: p.hits and getattr(p.hits, clock).median
-    told = [_against_the_step(series, of_hits, "first hits cost {0:.3g} times less"),
-            _against_the_step(series, lambda p: p.evaluations, "it evaluates f {0:.3g} times less often"),
+    of_hits, of_picture = (lambda p: p.hits and getattr(p.hits, clock).median,
+                           lambda p: p.picture and getattr(p.picture, clock).median)
+    told = [_against_the_step(series, "wrong", of_hits, "first hits cost {0:.3g} times less"),
+            _against_the_step(series, "wrong", lambda p: p.evaluations, "it evaluates f {0:.3g} times less often"),
+            _against_the_step(series, "visible", of_picture, "the whole picture costs {0:.3g} times less"),
             _other_renderers(series, clock), _oracle(series)]
     return [sentence for sentence in told if sentence]
 
@@ -26,25 +30,25 @@ def _points(series: list[Series], kind: str) -> Iterator[tuple[Series, Point]]:
     return ((s, p) for s in series if s.kind == kind for p in s.points if p.accuracy)
 
 
-def _against_the_step(series: list[Series], cost: Cost, tells: str) -> str:
-    """The cheapest method without a wrong pixel, against the largest literal step that gets as far."""
+def _against_the_step(series: list[Series], counted: Literal["wrong", "visible"], cost: Cost, tells: str) -> str:
+    """The cheapest method without a pixel that is `counted`, against the cheapest literal step that gets as far."""
+    count = lambda p: getattr(p.accuracy, counted)
     ours = [(cost(p), s, p) for s, p in _points(series, "first hits") if cost(p) is not None]
-    clean = [entry for entry in ours if entry[2].accuracy.wrong == 0]
+    clean = [entry for entry in ours if count(entry[2]) == 0]
     if not clean:
         return ""
     least, s, p = min(clean, key=lambda entry: entry[0])
-    name = s.title + (f" ({p.label})" if p.label else "")
     literal = [(c, p) for c, s, p in ours if s.id == LITERAL]
     if s.id == LITERAL or not literal or not least:
         return ""
-    clean_steps = [(c, p) for c, p in literal if p.accuracy.wrong == 0]
+    begin = f"at zero {WORDS[counted]} pixels the cheapest method is {_named(s, p)}"
+    clean_steps = [(c, p) for c, p in literal if count(p) == 0]
     if clean_steps:
         c, step = min(clean_steps, key=lambda entry: entry[0])
-        return (f"at zero wrong pixels the cheapest method is {name}: {tells.format(c / least)} than with the literal "
-                f"step that gets there, {step.value:g}")
+        return f"{begin}: {tells.format(c / least)} than with the literal step that gets there, {step.value:g}"
     c, step = min(literal, key=lambda entry: entry[1].value)
-    return (f"at zero wrong pixels the cheapest method is {name}: {tells.format(c / least)} than with the literal step "
-            f"{step.value:g}, which still leaves {step.accuracy.wrong} of {step.accuracy.pixels} pixels wrong")
+    return (f"{begin}: {tells.format(c / least)} than with the literal step {step.value:g}, which still leaves "
+            f"{count(step)} of {step.accuracy.pixels} pixels {WORDS[counted]}")
 
 
 def _other_renderers(series: list[Series], clock: Clock) -> str:

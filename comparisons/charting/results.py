@@ -25,6 +25,7 @@ class Accuracy(Record):
 
     pixels: int = Field(description="compared")
     wrong: int = Field(description="of these: another object, another root, or a colour that is not finite")
+    visible: int = Field(description="of these: a colour off by more than one step of an 8-bit picture, for any reason")
     depth_p99: float | None = Field(description="of |t - truth| / max(1, truth), over pixels that are not wrong")
     depth_max: float | None
     color_p99: float | None = Field(description="of a pixel's largest difference in a channel, over all compared")

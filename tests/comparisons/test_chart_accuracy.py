@@ -57,9 +57,11 @@ def test_errors_of_depth_and_colour_are_those_put_in():
     p = planes()
     p["t"][4, 4] += 4 * 1e-3
     p["color"][4, 5, 2] -= 0.25
+    p["color"][4, 6, 0] += 0.003  # less than 1/255
     a = accuracy(truth(), p)
-    assert a.wrong == 0 and a.depth_max == pytest.approx(1e-3) and a.color_max == pytest.approx(0.25)
-    assert a.depth_p99 == a.color_p99 == 0  # one pixel of 180 is less than a hundredth
+    assert (a.wrong, a.visible) == (0, 1)
+    assert a.depth_max == pytest.approx(1e-3) and a.color_max == pytest.approx(0.25)
+    assert a.depth_p99 == 0  # one pixel of 180 is less than a hundredth
 
 
 def test_no_right_pixel_means_no_depth():
@@ -150,8 +152,8 @@ def point(wrong, seconds, value=None, evaluations=None, build=None) -> Point:
     times = Times(wall=spread(seconds), cpu=spread(10 * seconds))
     return Point(label="" if value is None else f"h {value:g}", value=value, settings={}, state="ok", picture=times,
                  hits=times, build=build and spread(build), evaluations=evaluations,
-                 accuracy=Accuracy(pixels=1000, wrong=wrong, depth_p99=0, depth_max=0, color_p99=0, color_max=0,
-                                   undecided=0))
+                 accuracy=Accuracy(pixels=1000, wrong=wrong, visible=wrong, depth_p99=0, depth_max=0, color_p99=0,
+                                   color_max=0, undecided=0))
 
 
 def series(id, *points, kind="first hits") -> Series:
@@ -165,7 +167,8 @@ def test_findings_compare_what_reaches_zero_wrong_pixels():
     told = findings([steps, exact, proof, mesh], "wall")
     assert "cheapest method is exact: first hits cost 16 times less" in told[0] and "gets there, 0.01" in told[0]
     assert "cheapest method is proof: it evaluates f 80 times less" in told[1]
-    assert "mesh at h 64" in told[2] and "it takes 5 times as long as exact" in told[2]  # (0.5 + 2) / 0.5
+    assert "zero visibly wrong pixels" in told[2] and "the whole picture costs 16 times less" in told[2]
+    assert "mesh at h 64" in told[3] and "it takes 5 times as long as exact" in told[3]  # (0.5 + 2) / 0.5
 
 
 def test_findings_say_when_no_step_gets_there():

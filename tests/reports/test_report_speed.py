@@ -27,8 +27,8 @@ def point(seconds=None, wrong=0, label="", depth=1e-9, state="ok", message="", o
     times = Times(wall=spread(seconds), cpu=spread(2 * seconds))
     return Point(label=label, value=None, settings={}, state="ok", picture=times, hits=times, turns=3,
                  evaluations=10 * seconds, peak_mib=100, compiling=0.5, others=others,
-                 accuracy=Accuracy(pixels=1000, wrong=wrong, depth_p99=depth, depth_max=depth, color_p99=depth,
-                                   color_max=depth, undecided=0))
+                 accuracy=Accuracy(pixels=1000, wrong=wrong, visible=wrong, depth_p99=depth, depth_max=depth,
+                                   color_p99=depth, color_max=depth, undecided=0))
 
 
 def series(id, *points, kind="first hits", method="") -> Series:
@@ -146,7 +146,7 @@ def test_the_pages_are_there_only_with_their_document(folder, tmp_path):
     assert 'href="speed/figure-05-sphere.html"' in overview and 'href="../speed.html"' in subject
     for told in ("crashed: signal 11", "h 0.05", "two cores"):
         assert told in subject or told in overview
-    assert subject.count("<svg class=\"chart scatter\"") == 6
+    assert subject.count("<svg class=\"chart scatter\"") == 8
     assert 'href="speed.html"' in (html / "index.html").read_text(encoding="utf-8")
 
 
