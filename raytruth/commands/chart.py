@@ -47,7 +47,7 @@ def run(arguments) -> int:
     charted = subjects.chosen(arguments.scene, arguments.full, arguments.size) \
         if arguments.scene or not arguments.growth else []
     folder = arguments.results or Path("results")
-    options = suite.Options(folder, arguments.full, arguments.turns, limit, patience=30.0 if arguments.full else 1.0)
+    options = suite.Options(folder, arguments.full, arguments.turns, limit, patience=30.0 if arguments.full else 0.5)
     chart = suite.run(charted, studies, options)
     if arguments.results or not (arguments.scene or arguments.growth):
         chart = results.keep(chart, folder)
