@@ -28,6 +28,7 @@ from .runs import Request, RunStore
 
 TRUTH = "exact"
 COMPARED = ("paper", "mitsuba-native", "mitsuba-mesh", "mitsuba-sdfgrid", "embree", "povray")
+MOST_SAMPLES = 16  # a pixel, of a square picture as wide as allowed; a scene of more is compared at a smaller size
 SECONDS_PER_RUN = 300.0
 
 
@@ -37,7 +38,7 @@ class Options:
 
     folder: Path
     renderers: tuple[str, ...] = COMPARED
-    largest: int = 640  # pixels of the longer side; larger scenes are compared at this size
+    largest: int = 640  # pixels of the longer side; larger scenes are compared at this size, those of many samples smaller
     limit: float = SECONDS_PER_RUN
     jobs: int = 2  # runs made at the same time
     with_studies: bool = True
@@ -81,8 +82,8 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
 
 
 def _fitted(scene: Scene, largest: int) -> Scene:
-    width, height = scene.camera.width, scene.camera.height
-    scale = largest / max(width, height)
+    width, height, samples = scene.camera.width, scene.camera.height, scene.tracing.samples
+    scale = min(largest / max(width, height), (MOST_SAMPLES * largest**2 / (width * height * samples**2)) ** 0.5)
     return scene if scale >= 1 else scene.resized(max(1, round(width * scale)), max(1, round(height * scale)))
 
 
