@@ -36,13 +36,22 @@ class Solid:
         with np.errstate(invalid="ignore"):  # a triangle without area, which no ray meets
             self.facets = facets / np.linalg.norm(facets, axis=1, keepdims=True)
         self.corners = corners
+        # most rays miss a small object: a ball around it is asked before the hierarchy
+        low, high = self.mesh.bounds
+        self.middle, self.radius = (low + high) / 2, float(np.linalg.norm(high - low)) / 2 + 1e-9
         self.offset = OFFSET * float(self.mesh.scale)
         self.intersector = RayMeshIntersector(self.mesh)
 
     def meet(self, o, d) -> tuple[np.ndarray, np.ndarray]:
         """The rays (k,) that meet a triangle, and the first one each meets; o and d are (n, 3), d unit."""
-        triangle, ray = self.intersector.intersects_id(o, d, multiple_hits=False)
-        return ray, triangle
+        to_middle = self.middle - o
+        nearest = np.einsum("ij,ij->i", to_middle, d)
+        away = to_middle - nearest[:, None] * d
+        ray = np.flatnonzero((np.einsum("ij,ij->i", away, away) <= self.radius**2) & (nearest > -self.radius))
+        if not len(ray):  # which the intersector does not take
+            return ray, ray
+        triangle = self.intersector.intersects_first(o[ray], d[ray])
+        return ray[triangle >= 0], triangle[triangle >= 0]
 
     def distance(self, o, d, triangle):
         """(t, slope): where each ray meets its triangle's plane, and the cosine between d and the facet's normal."""
