@@ -3,7 +3,7 @@
 examples:
   raytruth compare                                       every scene, every renderer
   raytruth compare figure-07-torus my-scene.json         some scenes
-  raytruth compare --renderers mitsuba-mesh --largest 320
+  raytruth compare --renderers mitsuba-mesh,mitsuba-sdfgrid --largest 320
 
 Every pair of renderers is compared as well; a renderer that the majority contradicts on a scene is the odd one out.
 Each renderer works in a process of its own, under a time limit: a crash costs its own cases. Finished work is kept in
@@ -19,7 +19,7 @@ from pathlib import Path
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
-    parser.add_argument("--renderers", metavar="A,B", help="compare only these (default: all)")
+    parser.add_argument("--renderers", metavar="A,B", help="compare these (default: all but those that take minutes a picture)")
     parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
     parser.add_argument("--largest", metavar="PIXELS", type=int, default=640,
                         help="scenes with a longer side are compared at this size (default 640)")
