@@ -27,8 +27,8 @@ from .results import Comparison, Results, Run, SceneRecord, Verdict, read, write
 from .runs import Request, RunStore
 
 TRUTH = "exact"
-# mitsuba-sdfgrid and povray-isosurface take minutes for some scenes; a study sweeps the one, charts show both
-COMPARED = ("paper", "mitsuba-native", "mitsuba-refined", "mitsuba-mesh", "embree", "povray")
+# on demand: mitsuba-sdfgrid and povray-isosurface take minutes for some scenes; mitsuba-refined has the surfaces from f
+COMPARED = ("paper", "mitsuba-native", "mitsuba-mesh", "embree", "povray")
 MOST_SAMPLES = 16  # a pixel, of a square picture as wide as allowed; a scene of more is compared at a smaller size
 SECONDS_PER_RUN = 300.0
 

@@ -19,7 +19,7 @@ from pathlib import Path
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
-    parser.add_argument("--renderers", metavar="A,B", help="compare these (default: all but those that take minutes a picture)")
+    parser.add_argument("--renderers", metavar="A,B", help="compare these (default: paper, mitsuba-native, mitsuba-mesh, embree, povray)")
     parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
     parser.add_argument("--largest", metavar="PIXELS", type=int, default=640,
                         help="scenes with a longer side are compared at this size (default 640)")
