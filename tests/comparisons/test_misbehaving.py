@@ -123,7 +123,7 @@ def test_a_suite_that_is_killed_takes_its_renderers_along(tmp_path):
 
 
 def test_what_a_worker_says_is_kept_within_bounds():
-    program = "import sys\nfor line in sys.stdin:\n    [sys.stderr.write('y' * 65536) for _ in range(3000)]\n    print('?')"
+    program = "import sys\nfor line in sys.stdin:\n    [sys.stderr.write('y' * 65536) for _ in range(3000)]\n    print('?', flush=True)"
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with Worker([sys.executable, "-c", program]) as worker:
         assert worker.ask({}, 60)["state"] == "malformed"  # 190 MB said, all read, 4 kB of it kept
