@@ -45,7 +45,7 @@ def collide(world: World, ray: Ray, active) -> Collision:
     pointColor = (visibleColor (1 - R) + R reflectionColor) (1 - T) + T refractionColor, written as a sum with the
     weights (1 - R)(1 - T), R (1 - T) and T, so that a wave needs no recursion.
     """
-    Float, Bool = world.arrays.Float, world.arrays.Bool
+    Float = world.arrays.Float
     hit = world.nearest(ray)
     met = active & (hit.index < world.object_count)
     t = dr.select(met, hit.t, 0)

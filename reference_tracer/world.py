@@ -158,7 +158,7 @@ class World:
     # --- queries ---------------------------------------------------------------------------------------------------
     def nearest(self, ray: Ray) -> Hit:
         """The first crossing of each ray with any object within max_distance (decisions M1, M4, M5)."""
-        Float, UInt, Bool = self.arrays.Float, self.arrays.UInt, self.arrays.Bool
+        Float, UInt = self.arrays.Float, self.arrays.UInt
         usable = dr.isfinite(dr.squared_norm(ray.d))
         hit = Hit(t=Float(math.inf), order=dr.select(usable, self.max_distance, 0),
                   index=UInt(self.object_count), undecided=~usable)

@@ -11,7 +11,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from reference_tracer.image_files import load_npz
-from reference_tracer.scene.model import Scene
 
 from ..machine import machine
 from ..planes import problem

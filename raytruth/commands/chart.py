@@ -3,7 +3,7 @@
 examples:
   raytruth chart                                     a few scenes and surfaces, in little more than a minute
   raytruth chart figure-07-torus surface-gyroid      some of them, or scene files
-  raytruth chart --full                              every scene and every single surface, every value; takes an hour
+  raytruth chart --full                              every scene and every single surface, every value; takes far longer
   raytruth chart --growth threads                    one study of growth alone
 
 Accuracy is recomputed from the pictures, against proven first hits. Times are medians of interleaved turns; compiling
