@@ -65,7 +65,9 @@ class Family:
             indices, objects = [indices[k] for k in order], [objects[k] for k in order]
         self.indices = indices
         self.forms = surface.function, surface.regular_form, surface.polynomial_form
-        self.parameters = tuple(surface.parameters)
+        shared = [surface.literal_parameters and len({repr(o.surface.parameters[name]) for o in objects}) == 1
+                  for name in surface.parameters]
+        self.parameters = [name for name, same in zip(surface.parameters, shared) if not same]
         self.rotated = any(o.rotation is not None for o in objects)
         self.casts_shadow = objects[0].shadow  # like those of the others
         self.flipped = any(o.surface.inside == "positive" for o in objects)
@@ -81,7 +83,7 @@ class Family:
 
     def _row(self, obj: Object) -> list[float]:
         surface = obj.surface
-        row = [*surface.center, *surface.parameters.values()]
+        row = [*surface.center, *(surface.parameters[name] for name in self.parameters)]
         if self.rotated:
             row += rotation_matrix(obj.rotation).T.ravel().tolist()
         if self.bounded:

@@ -41,7 +41,7 @@ class Line:
 def ray_polynomial(surface: Surface, o, d) -> RationalPolynomial:
     """g(t) of an algebraic surface, signed so that g < 0 is inside."""
     parameters = {name: RationalPolynomial.constant(value) for name, value in surface.parameters.items()}
-    g = surface.polynomial_form(*RationalPolynomial.along(o, d), **parameters)
+    g = surface.exact_form(*RationalPolynomial.along(o, d), **parameters)
     return -g if surface.inside == "positive" else g
 
 

@@ -25,11 +25,11 @@ class Linear:
     @staticmethod
     def next_crossing(solid: Solid, ray: LocalRay, inside):
         """The t at which each ray changes side; infinity where it never does (Float)."""
-        g, slope = solid.slope_at(ray, dr.zeros(type(ray.o[0])))
+        g, slope = solid.slope_at(ray, dr.zeros(type(ray.o[0])), solid.regular)
         leaves = dr.select(inside, slope > 0, slope < 0)
         return dr.select(leaves, dr.maximum(-g / slope, 0), dr.inf)
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
         # one sign change at most: the sides of the two ends tell
-        other = solid.inside_at(ray, limit) != inside
+        other = (solid.regular(*ray.at(limit)) < 0) != inside
         return dr.select(other & (limit > 0), dr.uint32_array_t(type(limit))(1), 0), dr.mask_t(limit)(False)

@@ -99,6 +99,6 @@ class Quadratic:
     @staticmethod
     def _polish(solid: Solid, ray: LocalRay, t, parabola: Parabola):
         """One Newton step on f itself, which restores the last digits; refused where it is not a small correction."""
-        g, slope = solid.slope_at(ray, t)
+        g, slope = solid.slope_at(ray, t, solid.regular)
         dt = g / slope
         return dr.select(dr.abs(dt) < 1e-6 * dr.minimum(1, parabola.high - parabola.low), dr.maximum(t - dt, 0), t)

@@ -73,7 +73,7 @@ class Dual:
 
     def __rtruediv__(self, other):
         reciprocal = 1.0 / self.value
-        return self._chain(other * reciprocal, -other * reciprocal**2)
+        return self._chain(reciprocal * other, reciprocal**2 * -other)
 
     def __pow__(self, n: int):
         if n == 0:

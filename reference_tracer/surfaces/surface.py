@@ -32,6 +32,7 @@ class Surface(BaseModel):
 
     title: ClassVar[str]
     equation: ClassVar[str]
+    literal_parameters: ClassVar[bool] = False  # whether those that a whole family shares are literals of its kernels
     polynomial_degree: ClassVar[int | None] = None  # of polynomial_form, where there is one
 
     @staticmethod
@@ -74,6 +75,16 @@ class Surface(BaseModel):
         It is f itself wherever f is a polynomial.
         """
         return self.function if self.degree is not None else None
+
+    @property
+    def exact_form(self) -> Callable | None:
+        """The polynomial that exact arithmetic decides by: f as written where that is one, else `polynomial_form`."""
+        return self.polynomial_form
+
+    @property
+    def bounded_quadric(self) -> bool:
+        """Whether a `polynomial_form` of degree two is one of an ellipsoid, which every line cuts twice or not at all."""
+        return self.box() is not None
 
     def box(self) -> Box | None:
         """Corners (low, high), in the surface's own frame, of a box outside which f has one sign; None if unbounded."""
