@@ -110,6 +110,22 @@ class Dual:
     def log(self):
         return self._chain(fn.log(self.value), 1.0 / self.value)
 
+    def power(self, exponent):
+        if not isinstance(exponent, Dual):
+            # p a**(p - 1), never p a**p / a: at a = 0 the slope is 0 for p > 1
+            return self._chain(fn.power(self.value, exponent),
+                               fn.power(self.value, fn.less_one(exponent, self.value)) * exponent)
+        power = fn.power(self.value, exponent.value)
+        of_base = fn.power(self.value, fn.less_one(exponent.value, self.value)) * exponent.value
+        of_exponent = fn.times_log(power, self.value)
+        return Dual(power, tuple(_plus(_times(da, of_base), _times(db, of_exponent))
+                                 for da, db in zip(self.derivatives, exponent.derivatives)))
+
+    def power_of(self, base):
+        """base ** self for a base without derivatives."""
+        power = fn.power(base, self.value)
+        return self._chain(power, fn.times_log(power, base))
+
     def absolute(self):
         # max(a, -a), so that intervals across the kink keep both slopes
         return self.maximum(-self)

@@ -6,12 +6,15 @@ fall back to the library of the argument's array type.
 """
 
 import math
+from fractions import Fraction
 
 import drjit as dr
 import numpy as np
 
-__all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "minimum", "maximum", "select", "fma",
+__all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "power", "minimum", "maximum", "select", "fma",
            "where_larger"]
+
+LARGEST_SHORT_EXPONENT = 64  # above it, roots and products cost more than exp and log
 
 
 def _tan_of_array(x):
@@ -54,6 +57,57 @@ tan = _elementary("tan", math.tan)
 exp = _elementary("exp", math.exp)
 log = _elementary("log", lambda x: math.log(x) if x else -math.inf)
 absolute = _elementary("absolute", abs)
+
+
+def power(base, exponent):
+    """base ** exponent for a real `exponent`, for any number types; not for whole exponents, which `**` takes.
+
+    Defined for base >= 0 (NaN, for intervals the whole line, below): 0 for base 0 and exponent > 0, infinite for exponent < 0.
+    """
+    method = getattr(base, "power", None)
+    if method is not None:
+        return method(exponent)
+    method = getattr(exponent, "power_of", None)
+    if method is not None:
+        return method(base)
+    if dr.is_array_v(base) or dr.is_array_v(exponent):
+        return _power_on_drjit(base, exponent)
+    with np.errstate(all="ignore"):
+        value = np.where(np.less(base, 0), math.nan, np.power(np.abs(base), np.float64(exponent)))
+    return float(value) if value.ndim == 0 else value
+
+
+def eighths(exponent) -> tuple[int, int] | None:
+    """(n, k) with |exponent| = n + k/8 for a Python number of that form: its powers need square roots and products only."""
+    if not isinstance(exponent, (int, float)) or not abs(exponent) <= LARGEST_SHORT_EXPONENT or exponent * 8 != int(exponent * 8):
+        return None
+    return divmod(int(abs(exponent) * 8), 8)
+
+
+def _power_on_drjit(base, exponent):
+    # drjit.power is exp2(log2(base) exponent), whose relative error grows with |log2 of the result|, as does the last line's
+    if (short := eighths(exponent)) is not None:
+        n, k = short
+        root, value = base, base**n if n else 1.0
+        for bit in (4, 2, 1):
+            root = dr.sqrt(root)
+            value = value * root if k & bit else value
+        value = 1.0 / value if exponent < 0 else value
+        return dr.select(base >= 0, value, math.nan)
+    value = dr.exp(dr.log(base) * exponent)
+    return value if isinstance(exponent, (int, float)) else dr.select((exponent == 0) & (base >= 0), 1.0, value)
+
+
+def less_one(exponent, base):
+    """exponent - 1, as an interval where `base` is one and floats cannot hold the difference."""
+    exact = isinstance(exponent, (int, float)) and Fraction(exponent) - 1 == exponent - 1.0
+    return exponent - 1.0 if exact or not hasattr(base, "of") else base.of(exponent) - 1.0
+
+
+def times_log(power, base):
+    """power log(base) for power = base ** exponent: the slope in the exponent, 0 where the power vanishes."""
+    slope = power * log(base)
+    return slope if hasattr(slope, "of") else select(power == 0, power, slope)
 
 
 def select(condition, if_true, if_false):

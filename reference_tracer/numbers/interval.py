@@ -162,8 +162,11 @@ class Interval:
         return type(self)(fn.select(power.low >= 0, power.low, 0.0 * power.low), power.high)
 
     def log(self):
-        logarithm = self._monotone(fn.log, ulps=4)
-        return self._whole_line_where(self.low <= 0, logarithm.low, logarithm.high)
+        # a low bound of zero that outward rounding has pushed below zero by a subnormal amount is still zero
+        low = fn.select(self.low > 0, self.low, 1.0)
+        logarithm = self.rounded(fn.log(low), fn.log(fn.maximum(self.high, 0.0 * self.high)), ulps=4)
+        low = fn.select(self.low > 0, logarithm.low, -math.inf)
+        return self._whole_line_where(self.low < -1e-290, low, logarithm.high)
 
     def sin(self):
         return (self - type(self)(0.5 * _PI)).cos()
@@ -179,6 +182,21 @@ class Interval:
 
     def tan(self):
         return self.sin() / self.cos()
+
+    def power(self, exponent):
+        """Monotone in a base >= 0; the whole line where the base may be negative."""
+        if (short := fn.eighths(exponent)) is None:
+            power = (self.log() * exponent).exp()
+            return self._whole_line_where(~(self.low >= -1e-290), power.low, power.high)
+        low = fn.select(self.low >= 0, self.low, 0.0 * self.high)
+        a, b = fn.power(low, exponent), fn.power(fn.maximum(self.high, 0.0 * self.high), exponent)
+        # u = 2**-53 each: n - 1 products, 4.25 u in at most three roots, 3 products of them, a reciprocal
+        power = self.rounded(a, b, short[0] + 4) if exponent > 0 else self.rounded(b, a, short[0] + 4)
+        low = fn.select(power.low >= 0, power.low, 0.0 * power.low)
+        return self._whole_line_where(~(self.low >= -1e-290), low, power.high)
+
+    def power_of(self, base):
+        return self.of(base).power(self)
 
     def absolute(self):
         return self.maximum(-self)

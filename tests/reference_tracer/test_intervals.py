@@ -148,7 +148,8 @@ UNDEFINED = {
     "1/[-1, 1]": (lambda a: 1 / a, -1.0, 1.0), "1/[0, 1]": (lambda a: 1 / a, 0.0, 1.0),
     "1/[-1, 0]": (lambda a: 1 / a, -1.0, 0.0), "a/a": (lambda a: a / a, -1.0, 2.0),
     "[-1, 1]^-2": (lambda a: a**-2, -1.0, 1.0), "[0, 1]^-1": (lambda a: a**-1, 0.0, 1.0),
-    "sqrt [-1, 4]": (fn.sqrt, -1.0, 4.0), "log [0, 1]": (fn.log, 0.0, 1.0), "log [-1, 1]": (fn.log, -1.0, 1.0),
+    "sqrt [-1, 4]": (fn.sqrt, -1.0, 4.0), "log [-1, 1]": (fn.log, -1.0, 1.0),
+    "[-1, 4]^2.5": (lambda a: fn.power(a, 2.5), -1.0, 4.0), "[-1, 4]^0.3": (lambda a: fn.power(a, 0.3), -1.0, 4.0),
     "tan [1, 2]": (fn.tan, 1.0, 2.0)}
 
 
@@ -163,6 +164,8 @@ def test_where_an_operation_is_undefined_nothing_is_concluded(name, kind):
 
 
 TIGHT = {
+    "log [0, 1]": (fn.log, 0.0, 1.0, (-math.inf, 0)), "[0, 4]^2.5": (lambda a: fn.power(a, 2.5), 0.0, 4.0, (0, 32)),
+    "[0, 4]^0.3": (lambda a: fn.power(a, 0.3), 0.0, 4.0, (0, 4**0.3)),
     "sqrt [0, 4]": (fn.sqrt, 0.0, 4.0, (0, 2)), "[-1, 3]^2": (lambda a: a**2, -1.0, 3.0, (0, 9)),
     "a a": (lambda a: a * a, -3.0, 1.0, (0, 9)), "[-2, 1]^3": (lambda a: a**3, -2.0, 1.0, (-8, 1)),
     "cos [-1, 1]": (fn.cos, -1.0, 1.0, (math.cos(1), 1)), "sin [0, 4]": (fn.sin, 0.0, 4.0, (math.sin(4), 1)),
