@@ -140,7 +140,8 @@ class Family:
             return lambda x, y, z: form(x, y, z, **parameters) * sign
 
         far_inside = arrays.Bool(False) if sign is None else sign < 0
-        solid = Solid(*map(signed, self.forms), box, far_inside)
+        forms = {form: signed(form) for form in self.forms}  # one and the same where they are
+        solid = Solid(*(forms[form] for form in self.forms), box, far_inside)
         return Member(index, center, rotation, solid, Ball(center, radius) if self.bounded else None)
 
     @cached_property

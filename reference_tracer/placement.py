@@ -23,8 +23,12 @@ def rotation_matrix(rotation: Rotation | None) -> np.ndarray:
     return cos * np.eye(3) + sin * cross + (1 - cos) * np.outer(k, k)
 
 
-def is_inside(obj: Object, point) -> bool:
-    """Whether `point` (world space) lies inside the object: f < 0 (decision O1). The side of a camera ray (M3)."""
+def is_inside(obj: Object, point, literal: bool = False) -> bool:
+    """Whether `point` (world space) lies inside the object: f < 0 (decision O1). The side of a camera ray (M3).
+
+    From the regular form, whose sign does not drown where f leaves the range of doubles; `literal`: from f as written.
+    """
     local = rotation_matrix(obj.rotation).T @ (np.asarray(point, float) - np.array(obj.surface.center))
     with np.errstate(all="ignore"):
-        return bool(-np.inf < obj.surface(*local) < 0)
+        f = obj.surface(*local) if literal else obj.surface.regular(*local)
+        return bool(-np.inf < f < 0)

@@ -96,8 +96,9 @@ class World:
 
     def camera_sides(self) -> Sides:
         """The side of every object the camera is on: the sign of f at its position (decision M3)."""
-        return Sides.from_flags(self.arrays.Bits,
-                                [is_inside(o, self.scene.camera.position) for o in self.scene.objects])
+        literal = lambda obj: (obj.first_hit.method if obj.first_hit else self.method) == "paper"
+        return Sides.from_flags(self.arrays.Bits, [is_inside(o, self.scene.camera.position, literal(o))
+                                                   for o in self.scene.objects])
 
     @cached_property
     def _generations(self):

@@ -81,7 +81,7 @@ class Paper:
         """
         if solid.box is not None:
             known = dr.select(inside == solid.far_inside, entry, 0)
-        elif parabola := Parabola.along(solid, ray, limit):
+        elif solid.polynomial is solid.f and (parabola := Parabola.along(solid, ray, limit)):
             known = dr.minimum(parabola.next_crossing(inside), UNREACHABLE)
         else:
             known = dr.zeros(type(entry))

@@ -87,7 +87,7 @@ MUTANTS = {
         "self.words[0] ^ (bits(1) << bit)", "self.words[0]",
         refraction.test_M3_a_ball_turns_rays_twice_by_the_same_angle, ("exact",)),
     "M3 the camera is always outside": Mutant(
-        "is_inside(o, self.scene.camera.position)", "False",
+        "is_inside(o, self.scene.camera.position, literal(o))", "False",
         decisions.test_M3_a_camera_ray_starts_with_the_sign_of_f_at_the_camera, ("exact",)),
     "M3 an epsilon": Mutant(
         "Ray(pick(arrays.Vector, parents.point, active), d, sides)",
