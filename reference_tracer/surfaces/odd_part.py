@@ -111,7 +111,8 @@ class _Factors:
         return kept
 
     def form(self) -> Node:
-        parts = [_of_sane_size(tree if m % 2 else Power(tree, 2)) for tree, m in self.multiplicity.items()
+        parts = [_of_sane_size(tree if m % 2 or is_nonnegative(tree) else Power(tree, 2))
+                 for tree, m in self.multiplicity.items()
                  if m % 2 or not is_defined(tree)]
         if not parts:  # f has one sign: a solid without surface
             return total([(1, product([(1, Coordinate(0)), (1, Number(0.0))])), (1, Number(float(self.sign)))])
@@ -219,7 +220,7 @@ def magnitude(tree: Node) -> float:
         case Call("cbrt", (operand,)):
             return magnitude(operand) / 3
         case Call("min" | "max", arguments):
-            return max(map(magnitude, arguments))
+            return min(map(magnitude, arguments), key=abs)
     return 0.0
 
 
@@ -235,7 +236,7 @@ def _of_sane_size(tree: Node) -> Node:
 def scaled(tree: Node, k: int) -> Node:
     """`tree` times 2**k, the factor taken into its numbers, so that nothing within it leaves the range of doubles."""
     match tree:
-        case Number(value) if _fits(value, k):
+        case Number(value) if math.frexp(value)[1] + k <= 1024:  # what vanishes does so beside the other terms
             return Number(math.ldexp(value, k))
         case Negation(operand):
             return Negation(scaled(operand, k))
@@ -265,5 +266,5 @@ def scaled(tree: Node, k: int) -> Node:
 
 
 def _fits(value: float, k: int) -> bool:
-    """Whether value 2**k is a double; one that vanishes beside the others is zero."""
-    return value == 0 or math.frexp(value)[1] + k <= 1024
+    """Whether value 2**k is a normal double."""
+    return value == 0 or -1021 <= math.frexp(value)[1] + k <= 1024
