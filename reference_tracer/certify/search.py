@@ -74,7 +74,8 @@ def _search(ray: _Ray, side: int, limit: fmpq, bits: int, only_first: bool):
 
 
 class _Ray:
-    """g(t) = f(o + t d) with its first two derivatives over balls of t."""
+    """g(t) = f(o + t d) with its first two derivatives over balls of t; f is the regular form: a multiple root would
+    leave its sign open on both sides."""
 
     def __init__(self, surface: Surface, o, d):
         self.surface = surface
@@ -85,7 +86,7 @@ class _Ray:
         """Balls for g, g' and g''/2 on the ball t."""
         f = self.surface
         parameters = {name: Series.constant(value) for name, value in f.parameters.items()}
-        s = f.function(*Series.along(map(arb, self.o), map(arb, self.d), t), **parameters).s
+        s = f.regular_form(*Series.along(map(arb, self.o), map(arb, self.d), t), **parameters).s
         return tuple(self.orientation * s[k] for k in range(ORDER))
 
     def sign(self, t: fmpq) -> int:
