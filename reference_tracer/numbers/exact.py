@@ -68,6 +68,8 @@ class RationalPolynomial:
             if divisor.degree() > 0:
                 raise NotAlgebraic("division by a function of the coordinates")
             divisor = divisor[0]
+        if divisor == 0:
+            raise NotAlgebraic("division by zero")
         return RationalPolynomial(self.p * (1 / divisor))
 
     def __rtruediv__(self, other):
@@ -217,7 +219,8 @@ class Series:
         return Series(self.maximum(-self).s, True)
 
     def minimum(self, other):
-        return -((-self).maximum(-self._of(other)))
+        other = self._of(other)
+        return Series((-((-self).maximum(-other))).s, self.nonnegative and other.nonnegative)
 
     def maximum(self, other):
         other = self._of(other)

@@ -12,8 +12,14 @@ import drjit as dr
 import numpy as np
 
 __all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "power", "minimum", "maximum", "select", "fma",
-           "where_larger"]
+           "where_larger", "quotient", "whole_power"]
 
+# Dr.Jit's fp64 sine and cosine are good to an absolute 2**-52 below this angle, and from about 2**31.6 on they return
+# numbers of any size: `python -m reference_tracer.numbers.enclosures`. Floats beyond it have no sine, cosine or tangent on
+# Dr.Jit that means anything; intervals answer [-1, 1] and the whole line there.
+LARGEST_ANGLE = 2.0**30
+
+_PLAIN = (int, float, np.ndarray, np.generic)
 LARGEST_SHORT_EXPONENT = 64  # above it, roots and products cost more than exp and log
 
 
@@ -59,6 +65,23 @@ log = _elementary("log", lambda x: math.log(x) if x else -math.inf)
 absolute = _elementary("absolute", abs)
 
 
+def quotient(a, b):
+    """a / b as IEEE arithmetic has it, for Python's floats too."""
+    if not (isinstance(a, _PLAIN) and isinstance(b, _PLAIN)):
+        return a / b
+    with np.errstate(all="ignore"):
+        value = np.true_divide(a, b)
+    return float(value) if isinstance(a, (int, float)) and isinstance(b, (int, float)) else value
+
+
+def whole_power(base, n: int):
+    """base**n for an int n, as IEEE arithmetic has it, for Python's floats too."""
+    if not isinstance(base, _PLAIN):
+        return base**n
+    with np.errstate(all="ignore"):
+        return float(np.float64(base)**n) if isinstance(base, (int, float)) else base**n
+
+
 def power(base, exponent):
     """base ** exponent for a real `exponent`, for any number types; not for whole exponents, which `**` takes.
 
@@ -88,7 +111,8 @@ def _power_on_drjit(base, exponent):
     # drjit.power is exp2(log2(base) exponent), whose relative error grows with |log2 of the result|, as does the last line's
     if (short := eighths(exponent)) is not None:
         n, k = short
-        root, value = base, base**n if n else 1.0
+        root = dr.abs(base)  # -0.0 is no negative number
+        value = root**n if n else 1.0
         for bit in (4, 2, 1):
             root = dr.sqrt(root)
             value = value * root if k & bit else value

@@ -1,9 +1,18 @@
 """Interval arithmetic: f of an interval encloses every value f takes on it (Moore, Interval Analysis, 1966).
 
 `Interval` rounds to nearest: an enclosure up to rounding, which is enough to miss no root in practice and costs least.
-`OutwardInterval` widens every result by one unit in the last place: an enclosure that holds as a proof.
+`OutwardInterval` widens every result by the units in the last place it may be wrong by: an enclosure that holds as a proof.
 Bounds may be floats, NumPy or Dr.Jit arrays. Where an operation is undefined somewhere in the interval (a pole, a
 square root below zero) the result is the whole line, from which nothing is ever concluded.
+
+A bound that is NaN bounds nothing: that side is open, as with an infinite bound. inf - inf and 0 inf make such bounds where
+numbers overflow; comparisons with them are false, and every operation hands them on or answers with the whole line. So does
+a lower bound of +inf or an upper one of -inf, in `Interval` only: there the true bound is beyond the largest float.
+
+Subnormal numbers: Dr.Jit's threads read and write them as zero. Results that underflow are covered; subnormal bounds that
+enter from outside, in arrays, count as what the threads read.
+
+`python -m reference_tracer.numbers.enclosures` holds every function against python-flint and measures every constant here.
 """
 
 from __future__ import annotations
@@ -17,7 +26,17 @@ from . import functions as fn
 
 _PI = math.pi
 _ULP = 2.0**-52  # one unit in the last place of 1.0, fp64
-_TINY = 2.0**-1021  # below the smallest normal number: covers results that underflow
+_SMALLEST_NORMAL = 2.0**-1022  # what is smaller may be flushed to zero
+_TINY = 2 * _SMALLEST_NORMAL  # a result that underflows is wrong by less than half of it; the rest covers the move itself
+_LARGEST = np.finfo(np.float64).max.item()
+
+# Units in the last place by which a function of floats may be wrong; at least twice what the command above finds.
+ULPS = {"sqrt": 1, "cbrt": 4, "exp": 4, "log": 4}
+WAVE_ERROR = 4e-16  # of sine and cosine up to LARGEST_ANGLE, absolute: near their zeros Dr.Jit's relative error is large
+# The multiple of pi next to x is found from x / pi, wrong by |x| 2**-53 times 3 (shift, product, 1 / pi as a float) and
+# by the shift's own rounding, below 2**-53 times 2.
+ANGLE_ERROR = 6e-16
+STEEPEST = 2.0**20  # |tan| above which WAVE_ERROR (1 + |tan|) is no longer small
 
 
 def _low(*values):
@@ -34,43 +53,52 @@ def _high(*values):
     return m
 
 
-def _quotient(a, b):
-    """a / b as IEEE arithmetic has it, for Python's floats too."""
-    with np.errstate(all="ignore"):
-        return a / (np.float64(b) if isinstance(b, (int, float)) else b)
-
-
 def _floor(x):
     return dr.floor(x) if dr.is_array_v(x) else np.floor(x)
 
 
 class Interval:
-    """The closed interval [low, high]."""
+    """The closed interval [low, high].
 
-    __slots__ = ("low", "high")
+    `nonnegative` tells, without looking at values, that no number below zero is meant, though rounding may have pushed
+    `low` there: a sum of squares is defined under a square root.
+    """
 
-    def __init__(self, low, high=None):
+    __slots__ = ("low", "high", "nonnegative")
+
+    def __init__(self, low, high=None, nonnegative: bool = False):
         self.low = low
         self.high = low if high is None else high
+        self.nonnegative = nonnegative
 
     def __repr__(self):
         return f"{type(self).__name__}({self.low!r}, {self.high!r})"
 
     # --- rounding --------------------------------------------------------------------------------------------------
     @classmethod
-    def rounded(cls, low, high, ulps: int = 1):
+    def rounded(cls, low, high, ulps: int = 1, nonnegative: bool = False):
         """The interval of two computed bounds, each wrong by at most `ulps` units in the last place."""
-        return cls(low, high)
+        return cls(low, high, nonnegative)
 
     @classmethod
     def of(cls, number):
         """A thin interval, unless `number` is an interval already."""
-        return number if isinstance(number, Interval) else cls(number)
+        if isinstance(number, Interval):
+            return number
+        return cls(number, nonnegative=isinstance(number, (int, float)) and number >= 0)
 
     @property
     def is_thin(self) -> bool:
         """Known, without looking at values, to hold one point only."""
         return self.low is self.high
+
+    def _not_negative(self):
+        """The same interval, of numbers that are not negative."""
+        return type(self)(self.low, self.high, True)
+
+    def _finite_inside(self):
+        """The same interval, its lower bound not +inf and its upper one not -inf."""
+        return type(self)(fn.minimum(self.low, _LARGEST), fn.maximum(self.high, -_LARGEST), self.nonnegative)
 
     # --- what can be concluded -------------------------------------------------------------------------------------
     def excludes_zero(self):
@@ -79,7 +107,7 @@ class Interval:
 
     def hull(self, other):
         other = self.of(other)
-        return type(self)(_low(self.low, other.low), _high(self.high, other.high))
+        return type(self)(_low(self.low, other.low), _high(self.high, other.high), self.nonnegative and other.nonnegative)
 
     # --- ring ------------------------------------------------------------------------------------------------------
     def __neg__(self):
@@ -87,7 +115,8 @@ class Interval:
 
     def __add__(self, other):
         other = self.of(other)
-        return self.rounded(self.low + other.low, self.high + other.high)
+        return self.rounded(self.low + other.low, self.high + other.high,
+                            nonnegative=self.nonnegative and other.nonnegative)
 
     __radd__ = __add__
 
@@ -101,27 +130,28 @@ class Interval:
     def __mul__(self, other):
         if other is self:
             return self**2
-        if isinstance(other, (int, float)):
+        if _is_plain(other):
             low, high = (self.low, self.high) if other >= 0 else (self.high, self.low)
-            return self.rounded(low * other, high * other)
+            return self.rounded(low * other, high * other, nonnegative=self.nonnegative and other >= 0)
         other = self.of(other)
         if self.is_thin:
             self, other = other, self
         products = [self.low * other.low, self.high * other.low]
         if not other.is_thin:
             products += [self.low * other.high, self.high * other.high]
-        return self.rounded(_low(*products), _high(*products))
+        return self.rounded(_low(*products), _high(*products), nonnegative=self.nonnegative and other.nonnegative)
 
     __rmul__ = __mul__
 
     def __truediv__(self, other):
-        if isinstance(other, (int, float)) and other:
+        if _is_plain(other) and other:
             low, high = (self.low, self.high) if other > 0 else (self.high, self.low)
-            return self.rounded(low / other, high / other)
-        other = self.of(other)
-        quotients = [_quotient(a, b) for b in (other.low, other.high) for a in (self.low, self.high)]
+            return self.rounded(low / other, high / other, nonnegative=self.nonnegative and other > 0)
+        other = self.of(other)._finite_inside()
+        quotients = [fn.quotient(a, b) for b in (other.low, other.high) for a in (self.low, self.high)]
         safe = other.excludes_zero()
-        return self.rounded(fn.select(safe, _low(*quotients), -math.inf), fn.select(safe, _high(*quotients), math.inf))
+        quotient = self.rounded(_low(*quotients), _high(*quotients))
+        return self._where(safe, quotient, self.nonnegative and other.nonnegative)
 
     def __rtruediv__(self, other):
         return self.of(other) / self
@@ -130,103 +160,143 @@ class Interval:
         if n < 0:
             return 1.0 / self**-n
         if n == 0:
-            return type(self)(self.low * 0.0 + 1.0)
+            return type(self)(self.low * 0.0 + 1.0, nonnegative=True)
         if n == 1:
             return self
-        a, b = self.low**n, self.high**n
+        a, b = fn.whole_power(self.low, n), fn.whole_power(self.high, n)
         if n % 2:  # monotone
-            return self.rounded(a, b, ulps=n)
+            return self.rounded(a, b, n, self.nonnegative)
         straddles = (self.low <= 0) & (self.high >= 0)
-        result = self.rounded(fn.select(straddles, 0.0, _low(a, b)), _high(a, b), ulps=n)
-        return type(self)(fn.select(result.low >= 0, result.low, 0.0 * result.low), result.high)
+        return self.rounded(fn.select(straddles, 0.0, _low(a, b)), _high(a, b), n)._not_negative()
 
     # --- elementary functions --------------------------------------------------------------------------------------
-    def _monotone(self, function, ulps):
-        return self.rounded(function(self.low), function(self.high), ulps)
+    @classmethod
+    def _where(cls, defined, result, nonnegative: bool = False):
+        """`result` where `defined` holds, the whole line elsewhere."""
+        return cls(fn.select(defined, result.low, -math.inf), fn.select(defined, result.high, math.inf), nonnegative)
 
-    def _whole_line_where(self, undefined, low, high):
-        return type(self)(fn.select(undefined, -math.inf, low), fn.select(undefined, math.inf, high))
+    def _increasing(self, function, ulps, nonnegative: bool = False):
+        self = self._finite_inside()
+        return self.rounded(function(self.low), function(self.high), ulps, nonnegative)
+
+    def _above_zero(self, of_nonnegative, nonnegative: bool = False):
+        """`of_nonnegative` of the part above zero; the whole line where there may be another part."""
+        part = type(self)(fn.select(self.low >= 0, self.low, 0.0), fn.maximum(self.high, 0.0), True)._finite_inside()
+        result = of_nonnegative(part)
+        return result if self.nonnegative else self._where(self.low >= 0, result, nonnegative)
 
     def sqrt(self):
-        # a low bound of zero that outward rounding has pushed below zero by a subnormal amount is still zero
-        low = fn.select(self.low >= 0, self.low, 0.0 * self.high)
-        root = self.rounded(fn.sqrt(low), fn.sqrt(fn.maximum(self.high, 0.0 * self.high)))
-        low = fn.select(root.low >= 0, root.low, 0.0 * root.high)
-        return self._whole_line_where(self.low < -1e-290, low, root.high)
+        return self._above_zero(lambda part: part.rounded(fn.sqrt(part.low), fn.sqrt(part.high), ULPS["sqrt"])
+                                ._not_negative(), True)
 
     def cbrt(self):
-        return self._monotone(fn.cbrt, ulps=4)
+        return self._increasing(fn.cbrt, ULPS["cbrt"], self.nonnegative)
 
     def exp(self):
-        power = self._monotone(fn.exp, ulps=4)
-        return type(self)(fn.select(power.low >= 0, power.low, 0.0 * power.low), power.high)
+        return self._increasing(fn.exp, ULPS["exp"])._not_negative()
 
     def log(self):
-        # a low bound of zero that outward rounding has pushed below zero by a subnormal amount is still zero
-        low = fn.select(self.low > 0, self.low, 1.0)
-        logarithm = self.rounded(fn.log(low), fn.log(fn.maximum(self.high, 0.0 * self.high)), ulps=4)
-        low = fn.select(self.low > 0, logarithm.low, -math.inf)
-        return self._whole_line_where(self.low < -1e-290, low, logarithm.high)
-
-    def sin(self):
-        return (self - type(self)(0.5 * _PI)).cos()
-
-    def cos(self):
-        # the maximum 1 is taken at 2 k pi, the minimum -1 at (2 k + 1) pi; a margin covers the rounding of pi itself
-        margin = 4e-16 + fn.maximum(fn.absolute(self.low), fn.absolute(self.high)) * 4e-16
-        low, high = self.low - margin, self.high + margin
-        whole = lambda shift: _floor((high - shift) / (2 * _PI)) >= -_floor(-((low - shift) / (2 * _PI)))
-        a, b = fn.cos(self.low), fn.cos(self.high)
-        return type(self)(_high(fn.select(whole(_PI), -1.0, _low(a, b) - margin), -1.0 + 0.0 * a),
-                          _low(fn.select(whole(0.0), 1.0, _high(a, b) + margin), 1.0 + 0.0 * a))
-
-    def tan(self):
-        return self.sin() / self.cos()
+        return self._above_zero(lambda part: part.rounded(fn.log(part.low), fn.log(part.high), ULPS["log"]))
 
     def power(self, exponent):
         """Monotone in a base >= 0; the whole line where the base may be negative."""
+        return self._above_zero(lambda part: part._power(exponent)._not_negative(), True)
+
+    def _power(self, exponent):
         if (short := fn.eighths(exponent)) is None:
-            power = (self.log() * exponent).exp()
-            return self._whole_line_where(~(self.low >= -1e-290), power.low, power.high)
-        low = fn.select(self.low >= 0, self.low, 0.0 * self.high)
-        a, b = fn.power(low, exponent), fn.power(fn.maximum(self.high, 0.0 * self.high), exponent)
-        # u = 2**-53 each: n - 1 products, 4.25 u in at most three roots, 3 products of them, a reciprocal
-        power = self.rounded(a, b, short[0] + 4) if exponent > 0 else self.rounded(b, a, short[0] + 4)
-        low = fn.select(power.low >= 0, power.low, 0.0 * power.low)
-        return self._whole_line_where(~(self.low >= -1e-290), low, power.high)
+            return (self.log() * exponent).exp()
+        a, b = fn.power(self.low, exponent), fn.power(self.high, exponent)
+        # in units of 2**-53: n - 1 products, 4.25 in at most three roots, 3 products of them, a reciprocal
+        return self.rounded(a, b, short[0] + 4) if exponent > 0 else self.rounded(b, a, short[0] + 4)
 
     def power_of(self, base):
+        """base ** self."""
         return self.of(base).power(self)
 
+    def sin(self):
+        return self._wave(fn.sin, 0.5 * _PI)
+
+    def cos(self):
+        return self._wave(fn.cos, 0.0)
+
+    def _reach(self):
+        return fn.maximum(fn.absolute(self.low), fn.absolute(self.high))
+
+    def _holds(self, angle, period, reach):
+        """Whether some angle + k period may lie in the interval (Bool)."""
+        margin = ANGLE_ERROR * (1 + reach)
+        first = (self.low - margin - angle) * (1 / period)
+        last = (self.high + margin - angle) * (1 / period)
+        return _floor(last) >= -_floor(-first)
+
+    def _wave(self, function, top):
+        """Sine or cosine, whose maximum 1 lies at top + 2 k pi, its minimum -1 half a period further."""
+        reach = self._reach()
+        a, b = function(self.low), function(self.high)
+        known = reach <= fn.LARGEST_ANGLE
+        falls_to, rises_to = fn.maximum(_low(a, b) - WAVE_ERROR, -1.0), fn.minimum(_high(a, b) + WAVE_ERROR, 1.0)
+        valley, peak = self._holds(top + _PI, 2 * _PI, reach), self._holds(top, 2 * _PI, reach)
+        return type(self)(fn.select(known, fn.select(valley, -1.0, falls_to), -1.0),
+                          fn.select(known, fn.select(peak, 1.0, rises_to), 1.0))
+
+    def tan(self):
+        """Increasing between its poles. Sine and cosine wrong by e make it wrong by e (1 + |tan|) / |cos| to first order,
+        and 1 / |cos| <= 1 + |tan|; twice that is granted."""
+        reach = self._reach()
+        a, b = fn.tan(self.low), fn.tan(self.high)
+        steepest = fn.maximum(fn.absolute(a), fn.absolute(b))
+        error = 2 * WAVE_ERROR * (1 + steepest) * (1 + steepest)
+        pole = self._holds(0.5 * _PI, _PI, reach)
+        known = (reach <= fn.LARGEST_ANGLE) & (steepest <= STEEPEST)
+        return self._where(fn.select(pole, False, known), self.rounded(a - error, b + error))
+
     def absolute(self):
-        return self.maximum(-self)
+        return type(self)(_high(self.low, -self.high, 0.0), _high(self.high, -self.low), True)
 
     def minimum(self, other):
         other = self.of(other)
-        return type(self)(_low(self.low, other.low), _low(self.high, other.high))
+        return type(self)(_low(self.low, other.low), _low(self.high, other.high), self.nonnegative and other.nonnegative)
 
     def maximum(self, other):
         other = self.of(other)
-        return type(self)(_high(self.low, other.low), _high(self.high, other.high))
+        return type(self)(_high(self.low, other.low), _high(self.high, other.high), self.nonnegative or other.nonnegative)
 
     def where_larger(self, a, b, if_a, if_b):
         """`if_a` where all of a lies above b, `if_b` where below, the hull of both where they overlap."""
         a, b, if_a, if_b = map(self.of, (a, b, if_a, if_b))
         above, below, both = a.low > b.high, b.low > a.high, if_a.hull(if_b)
         pick = lambda of_a, of_b, of_both: fn.select(above, of_a, fn.select(below, of_b, of_both))
-        return type(self)(pick(if_a.low, if_b.low, both.low), pick(if_a.high, if_b.high, both.high))
+        return type(self)(pick(if_a.low, if_b.low, both.low), pick(if_a.high, if_b.high, both.high), both.nonnegative)
+
+
+def _is_plain(number) -> bool:
+    """A Python number that arithmetic can take as it is: Dr.Jit's threads read subnormal ones as zero."""
+    return isinstance(number, (int, float)) and (number == 0 or abs(number) >= _SMALLEST_NORMAL)
 
 
 class OutwardInterval(Interval):
     """An `Interval` whose every operation rounds outwards: what it excludes is excluded as a proof.
 
     IEEE 754 rounds to nearest, so a computed bound is off by at most half a unit in the last place; moving it by
-    |bound| * 2**-52 per stated ulp, and by a subnormal amount, covers that and the rounding of the move.
+    |bound| * 2**-52 per stated ulp, and by a subnormal amount, covers that and the rounding of the move. A lower bound that
+    overflows to +inf, an upper one to -inf, becomes NaN by this move: open.
     """
 
     __slots__ = ()
 
     @classmethod
-    def rounded(cls, low, high, ulps: int = 1):
+    def rounded(cls, low, high, ulps: int = 1, nonnegative: bool = False):
         w = ulps * _ULP
-        return cls(low - (fn.absolute(low) * w + _TINY), high + (fn.absolute(high) * w + _TINY))
+        return cls(low - (fn.absolute(low) * w + _TINY), high + (fn.absolute(high) * w + _TINY), nonnegative)
+
+    @classmethod
+    def of(cls, number):
+        if isinstance(number, (int, float)) and not _is_plain(number) and number == number:  # subnormal
+            return cls(min(number, 0.0), _SMALLEST_NORMAL, True) if number > 0 else cls(-_SMALLEST_NORMAL, 0.0)
+        return super().of(number)
+
+    def _not_negative(self):
+        return type(self)(fn.select(self.low >= 0, self.low, 0.0 * self.low), self.high, True)
+
+    def _finite_inside(self):
+        return self

@@ -63,11 +63,12 @@ def test_O6_the_regular_form_has_the_sign_of_f():
         parts = [f"{chance.choice(FACTORS)}**{chance.choice([1, 1, 2, 3, 4, 5])}" for _ in range(chance.randrange(1, 4))]
         formula = chance.choice(["", "-"]) + "*".join(parts)
         try:
-            forms = forms_of(expanded(formula) if k % 2 else formula)
-        except (FormulaError, AssertionError, OverflowError):  # too large, or constant
+            formula = expanded(formula) if k % 2 else formula
+            forms = forms_of(formula)
+        except (FormulaError, AttributeError, AssertionError, OverflowError):  # too large to write out, or constant
             continue
         changed += forms.regular is not forms.function
-        for of_f, of_form in signs(expanded(formula) if k % 2 else formula, points(chance, 6)):
+        for of_f, of_form in signs(formula, points(chance, 6)):
             assert of_f in (0, of_form), formula
     assert changed > 100
 
@@ -118,9 +119,9 @@ def test_O6_an_odd_power_of_a_ball_is_the_ball(n):
     assert_is_the_ball(f"{BALL}**{n}")
 
 
-@pytest.mark.parametrize("n", [3, 5])
-def test_O6_an_odd_power_that_is_written_out_is_the_ball(n):
-    assert_is_the_ball(expanded(f"{BALL}**{n}"))
+@pytest.mark.parametrize("formula", [f"{BALL}**3", f"-{BALL}**3*(-3)", f"{BALL}**3*(x - y)**2"])
+def test_O6_an_odd_power_that_is_written_out_is_the_ball(formula):
+    assert_is_the_ball(expanded(formula))
 
 
 @pytest.mark.parametrize("factor", ["1e-300", "1e-154", "1e-20", "1e20", "1e153", "1e154", "1e300", "1.7e308"])
@@ -143,8 +144,8 @@ def test_factors_that_do_not_change_sign_change_nothing(factor):
 
 def test_a_ball_far_from_the_origin_of_its_formula_keeps_its_digits():
     """(x - 32)^2 + ... - 1, its cube written out: the form is about the ball's centre again."""
-    far = "((x - 32)**2 + (y - 8)**2 + (z + 16)**2 - 1)"
-    scene = lambda formula: make_scene(thing("expression", (-32, -8, 20), formula=formula), size=(24, 24))
+    far = "((x - 32)**2 + y**2 + z**2 - 1)"
+    scene = lambda formula: make_scene(thing("expression", (-32, 0, 4), formula=formula), size=(24, 24))
     a, b = (render(scene(f)) for f in (expanded(f"{far}**3"), far))
     np.testing.assert_array_equal(a.index, b.index)
     np.testing.assert_allclose(a.t[b.index >= 0], b.t[b.index >= 0], rtol=1e-12)
@@ -155,7 +156,7 @@ def test_paper_keeps_f_as_written():
     """Newton converges linearly at a root of multiplicity 5: after 20 iterations 0.8^20 of the first error is left."""
     ball, power = (picture(f, "paper") for f in (BALL, f"{BALL}**5"))
     hits = (ball.index == 0) & (power.index == 0)
-    error = np.abs(power.t - ball.t)[hits]
+    error = np.abs(power.t[hits] - ball.t[hits])
     assert hits.any() and np.median(error) > 1e-6
 
 
@@ -184,7 +185,7 @@ def test_exact_arithmetic_decides_by_f_as_written(formula, degree):
     surface = Expression(formula=formula)
     g = ray_polynomial(surface, (0.1, 0.2, -4.0), (0.0, 0.0, 1.0)).p
     assert g.degree() == degree and surface.degree < degree or degree == 2
-    line = follow(surface, (0.1, 0.2, -4.0), (0.0, 0.0, 1.0), False, 9.0)
+    line = follow(surface, (0.1, 0.2, -4.0), (0.0, 0.0, 1.0), bool(surface(0.1, 0.2, -4.0) < 0), 9.0)
     found = shoot(make_scene(thing("expression", formula=formula)), (0.1, 0.2, -4.0), (0, 0, 1))
     assert float(line.first) == pytest.approx(found.t[0], rel=1e-14)
 
