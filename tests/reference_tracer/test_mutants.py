@@ -17,7 +17,9 @@ from types import FunctionType
 import pytest
 import test_camera as camera
 import test_decisions as decisions
+import test_formulas as formulas
 import test_image_files as image_files
+import test_odd_parts as odd_parts
 import test_refraction as refraction
 import test_shading as shading
 import test_surfaces as surfaces
@@ -72,6 +74,24 @@ MUTANTS = {
     "O5 nine two-hundredths": Mutant(
         "z**2 * y**3 * 9 / 80", "z**2 * y**3 * 9 / 200",
         surfaces.test_O5_the_heart_s_constant_is_nine_eightieths),
+    "O6 the sign of the constant dropped": Mutant(
+        "self.sign *= 1 if value > 0 or m % 2 == 0 else -1", "pass",
+        odd_parts.test_O6_the_regular_form_has_the_sign_of_f),
+    "O6 the sign of an expansion dropped": Mutant(
+        "self.sign *= 1 if constant > 0 else -1", "pass",
+        odd_parts.test_O6_the_regular_form_has_the_sign_of_f),
+    "O6 a factor of even multiplicity kept": Mutant(
+        "if m % 2 or not is_defined(tree)]", "]",
+        odd_parts.test_O6_a_formula_that_never_changes_sign_has_no_surface, (f"{odd_parts.BALL}**2", "exact")),
+    "O6 an even multiplicity of an expansion kept": Mutant(
+        "for q, m in factors if m % 2 and q.total_degree() > 0", "for q, m in factors if q.total_degree() > 0",
+        odd_parts.test_O6_the_regular_form_has_the_sign_of_f),
+    "one family whatever the whole exponents": Mutant(
+        'return f"{written(base)}**{n}" if n >= 0', 'return f"{written(base)}**n" if n >= 0',
+        formulas.test_numbers_are_no_part_of_a_family_but_exponents_and_structure_are),
+    "one family with and without bounds": Mutant(
+        "{'' if self.bounds else ' without bounds'}", "",
+        formulas.test_what_chooses_a_method_is_the_same_in_a_whole_family),
     # sections 4.1 and 4.2
     "M1 a double root is a hit": Mutant(
         "enters = (self.half_squared > 0)", "enters = (self.half_squared >= 0)",
