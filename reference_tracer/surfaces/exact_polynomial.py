@@ -10,8 +10,9 @@ from flint import Ordering, fmpq, fmpq_mpoly, fmpq_mpoly_ctx
 
 from .formula import Call, Coordinate, Negation, Node, Number, Power, Product, Sum, children, degree, product, total
 
-HIGHEST_DEGREE = 24  # a dense polynomial has 2925 terms there
-MOST_BITS = 20_000  # of a coefficient, roughly: bits of the largest number times the degree
+HIGHEST_DEGREE = 64
+MOST_TERMS = 3000  # of a product written out: all there can be in degree 24
+MOST_BITS = 8_000  # of a coefficient, roughly: bits of the largest number times the degree
 NEAR_ORIGIN = 2.0**-10  # a centre nearer than this to the origin is left there
 
 _RING = fmpq_mpoly_ctx.get(("x", "y", "z"), Ordering.degrevlex)
@@ -21,9 +22,27 @@ _X = _RING.gens()
 def polynomial(tree: Node) -> fmpq_mpoly | None:
     """The polynomial that `tree` is, its numbers taken exactly; None where it is none or too large to work with."""
     bound = degree(tree)
-    if bound is None or bound > HIGHEST_DEGREE or bound * _most_bits(tree) > MOST_BITS:
+    if bound is None or bound > HIGHEST_DEGREE or bound * _most_bits(tree) > MOST_BITS or _most_terms(tree) > MOST_TERMS:
         return None
     return _polynomial(tree)
+
+
+def _most_terms(tree: Node) -> int:
+    """No fewer than the terms of any polynomial on the way to that of `tree`."""
+    match tree:
+        case Negation(operand):
+            return _most_terms(operand)
+        case Sum(terms):
+            count = sum(_most_terms(term) for _, term in terms)
+        case Product(factors):
+            count = math.prod(_most_terms(factor) for _, factor in factors)
+        case Power(base, n):
+            terms = _most_terms(base)
+            count = math.comb(terms + n - 1, n)
+        case _:
+            return 1
+    parts = max(map(_most_terms, children(tree)))
+    return max(parts, min(count, math.comb(degree(tree) + 3, 3)))
 
 
 def _most_bits(tree: Node) -> int:

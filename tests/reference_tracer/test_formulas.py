@@ -163,3 +163,33 @@ def test_a_quadric_that_is_no_ellipsoid_has_rays_that_meet_it_once():
     inward = shoot(scene, (-0.5, 0, -2), (3, 0, 4))
     # |x| = 3/4 |z|: x = -0.5 + 0.6 t, z = -2 + 0.8 t give 0.25 - 0.6 t = 0.5625 (4 - 3.2 t), t = 1.6667
     assert inward.index[0] == 0 and inward.t[0] == pytest.approx((0.5625 * 4 - 0.25) / (0.5625 * 3.2 - 0.6), rel=1e-14)
+
+
+def test_M7_a_ray_that_leaves_the_domain_of_f_is_undecided_unless_it_has_hit_before():
+    """z - sqrt(1 - x^2 - y^2) has a value within the cylinder only. Written as a polynomial the same solid has one
+    everywhere: it tells what the rays hit that do stay within the cylinder from the box on."""
+    box = {"bounds": {"low": [-1.01] * 3, "high": [1.01] * 3}}
+    domed, ball = (make_scene(thing("expression", formula=f"max({f}, -z)", **box))
+                   for f in ("z - sqrt(1 - x**2 - y**2)", "x**2 + y**2 + z**2 - 1"))
+    random = np.random.default_rng(4)
+    o = np.stack([*random.uniform(-1.5, 1.5, (2, 4000)), np.where(random.random(4000) < 0.5, 3.0, -3.0)], axis=1)
+    d = random.uniform(-1, 1, (4000, 3)) - o
+    d /= np.linalg.norm(d, axis=1)[:, None]
+    found, truth = shoot(domed, o, d, inside=[False]), shoot(ball, o, d, inside=[False])
+    near, far = (np.array(corner)[:, None] for corner in ((-1.01,) * 3, (1.01,) * 3))
+    slabs = np.stack([(near - o.T) / d.T, (far - o.T) / d.T])
+    enters, leaves = slabs.min(axis=0).max(axis=0), slabs.max(axis=0).min(axis=0)
+    # within the cylinder: |(x, y)|^2 - 1 = a t^2 + 2 b t + c < 0
+    a, b, c = (d[:, :2]**2).sum(axis=1), (o[:, :2] * d[:, :2]).sum(axis=1), (o[:, :2]**2).sum(axis=1) - 1
+    root = np.sqrt(np.maximum(b * b - a * c, 0))
+    first, last = (-b - root) / a, (-b + root) / a
+    end = np.minimum(truth.t, leaves)  # as far as f is asked for
+    defined = (first < enters) & (end < last)
+    meets = enters < leaves
+    clear = np.minimum(np.abs(first - enters), np.abs(last - end)) > 1e-9
+    np.testing.assert_array_equal(found.undecided[meets & clear], ~defined[meets & clear])
+    assert not found.undecided[~meets].any()
+    np.testing.assert_array_equal(found.index[~found.undecided], truth.index[~found.undecided])
+    hits = ~found.undecided & (found.index == 0)
+    np.testing.assert_allclose(found.t[hits], truth.t[hits], rtol=1e-13)
+    assert hits.sum() > 100 and found.undecided.sum() > 100
