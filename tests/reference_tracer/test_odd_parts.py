@@ -92,8 +92,8 @@ def test_the_form_of_a_product(formula, form):
     assert ratio.min() > 0 and np.ptp(ratio) < 1e-12 * ratio.max()
 
 
-@pytest.mark.parametrize("formula", [f"{BALL}**2", f"-{BALL}**4", "abs(x)", "(x - y)**2*(z - 1)**2", expanded(f"{BALL}**2"), "x**2",
-                                     f"sqrt({BALL}**2)"])
+@pytest.mark.parametrize("formula", [f"{BALL}**2", f"-{BALL}**4", "abs(x)", "(x - y)**2*(z - 1)**2", expanded(f"{BALL}**2"),
+                                     "x**2", f"sqrt({BALL}**2)"])
 @pytest.mark.parametrize("method", ["exact", "interval", "descartes", "proof"])
 def test_O6_a_formula_that_never_changes_sign_has_no_surface(formula, method):
     picture = render(make_scene(thing("expression", PLACE, formula=formula, **BOX), size=(16, 16)), method)
@@ -102,7 +102,8 @@ def test_O6_a_formula_that_never_changes_sign_has_no_surface(formula, method):
 
 # --- pictures ----------------------------------------------------------------------------------------------------------
 def picture(formula: str, method="exact", size=(48, 36), box=BOX, **changes):
-    return render(make_scene(thing("expression", PLACE, formula=formula, **box, **changes), thing("plane", (0, -1, 0), a=0, b=1, c=0),
+    floor = thing("plane", (0, -1, 0), a=0, b=1, c=0)
+    return render(make_scene(thing("expression", PLACE, formula=formula, **box, **changes), floor,
                              lights=[((3, 4, -3), (1, 1, 1))], size=size), method)
 
 
@@ -179,7 +180,8 @@ def test_shadows_of_odd_powers(n=5):
 
 
 # --- exact arithmetic --------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("formula, degree", [(f"{BALL}**5", 10), (expanded(f"{BALL}**3"), 6), (f"{BALL}*1e300", 2), (f"{BALL}**2*z", 5)])
+@pytest.mark.parametrize("formula, degree", [(f"{BALL}**5", 10), (expanded(f"{BALL}**3"), 6), (f"{BALL}*1e300", 2),
+                                             (f"{BALL}**2*z", 5)])
 def test_exact_arithmetic_decides_by_f_as_written(formula, degree):
     """So that a wrong form would be found out: the reduction is judged, not assumed."""
     surface = Expression(formula=formula)
