@@ -33,7 +33,7 @@ def render(scene: Scene, search: Search | None = None) -> np.ndarray:
     samples, width, height = scene.tracing.samples, scene.camera.width, scene.camera.height
     row, col = (plane.ravel().astype(float) for plane in np.mgrid[:height, :width])
     camera = frame(scene.camera)
-    inside = np.array([is_inside(obj, camera.v_pos, literal=True) for obj in scene.objects])
+    inside = np.array([is_inside(obj, camera.v_pos) for obj in scene.objects])
     total = np.zeros((width * height, 3))
     for sample_row in range(samples):
         for sample_col in range(samples):
