@@ -112,6 +112,16 @@ def test_what_is_not_finite_is_the_same_on_floats_and_arrays(name):
         np.testing.assert_allclose(np.broadcast_to(Float(on_drjit).numpy(), len(SPECIAL)), of_arrays, rtol=4e-13)
 
 
+@pytest.mark.parametrize("name", ["sin", "cos", "tan"])
+def test_waves_of_floats_are_right_or_nan(name):
+    """Beyond LARGEST_ANGLE Dr.Jit returns numbers of any size; decided they must not be (M7)."""
+    x = np.array([0.5, 1e3, 1e9, 1.5 * fn.LARGEST_ANGLE, 1e10, 1e300, math.inf, math.nan])
+    wave = getattr(fn, name)
+    found = wave(backend().Float(x)).numpy()
+    np.testing.assert_array_equal(np.isnan(found), ~(x <= fn.LARGEST_ANGLE))
+    np.testing.assert_allclose(found[:3], wave(x[:3]), rtol=1e-14)
+
+
 def test_a_power_at_zero_has_the_value_and_the_slope_it_has():
     for zero in (0.0, -0.0):
         power = fn.power(Dual(zero, (1.0,)), 1.25)
