@@ -153,6 +153,9 @@ def test_a_sum_of_squares_is_no_negative_number_whatever_rounding_does_to_it():
         x, y = (OutwardInterval(array([0.0, -1.0]), array([0.0, 2.0])) for _ in range(2))
         root = fn.sqrt((x**2 + y * y) * 1e300)
         assert np.all(np.asarray(root.low) >= 0) and np.all(np.asarray(root.high) < 4e150)
+        factors = array([1e300, 2e300])  # arrays, as parameters of a family are
+        assert np.all(np.asarray(fn.sqrt(x**2 * factors + y * y).high) < 4e150)
+        assert np.all(np.isinf(np.asarray(fn.sqrt(x**2 * -factors + y * y).high)))
         assert np.all(np.asarray(fn.sqrt(OutwardInterval(array([-1.0, -1.0]), array([1.0, 1.0])) * 1e-300).low) == -math.inf)
 
 
