@@ -72,9 +72,8 @@ class Dual:
                                     for da, db in zip(self.derivatives, other.derivatives)))
 
     def __rtruediv__(self, other):
-        reciprocal = fn.quotient(1.0, self.value)
-        value = reciprocal * other  # in this order: an array of Dr.Jit cannot stand on the left of an interval
-        return self._chain(value, -value * reciprocal)
+        value = fn.quotient(other, self.value)
+        return self._chain(value, -fn.quotient(value, self.value))
 
     def __pow__(self, n: int):
         if n == 0:

@@ -15,21 +15,22 @@ __all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "power
            "where_larger", "quotient", "whole_power"]
 
 # Dr.Jit's fp64 sine and cosine are good to an absolute 2**-52 below this angle, and from about 2**31.6 on they return
-# numbers of any size: `python -m reference_tracer.numbers.enclosures`. Floats beyond it have no sine, cosine or tangent on
-# Dr.Jit that means anything; intervals answer [-1, 1] and the whole line there.
+# numbers of any size: `python -m reference_tracer.numbers.enclosures`. Beyond it Dr.Jit's floats have none here, NaN, and
+# intervals answer [-1, 1] and the whole line.
 LARGEST_ANGLE = 2.0**30
 
 _PLAIN = (int, float, np.ndarray, np.generic)
 LARGEST_SHORT_EXPONENT = 64  # above it, roots and products cost more than exp and log
 
 
-def _tan_of_array(x):
-    # drjit.tan loses digits below |x| = 1e-4 (relative error 3e-9 in 1.5); the quotient is good to 3 ulp everywhere.
-    return dr.sin(x) / dr.cos(x)
+def _wave_of_array(function):
+    """NaN, which decides nothing (M7), where Dr.Jit's result means nothing."""
+    return lambda x: dr.select(dr.abs(x) <= LARGEST_ANGLE, function(x), math.nan)
 
 
-_ON_DRJIT = {"sqrt": dr.sqrt, "cbrt": dr.cbrt, "sin": dr.sin, "cos": dr.cos, "tan": _tan_of_array,
-             "exp": dr.exp, "log": dr.log, "absolute": dr.abs}
+# drjit.tan loses digits below |x| = 1e-4 (relative error 3e-9 in 1.5); the quotient is good to 3 ulp there
+_ON_DRJIT = {"sqrt": dr.sqrt, "cbrt": dr.cbrt, "sin": _wave_of_array(dr.sin), "cos": _wave_of_array(dr.cos),
+             "tan": _wave_of_array(lambda x: dr.sin(x) / dr.cos(x)), "exp": dr.exp, "log": dr.log, "absolute": dr.abs}
 
 
 def _elementary(name: str, on_scalar):
@@ -68,7 +69,8 @@ absolute = _elementary("absolute", abs)
 def quotient(a, b):
     """a / b as IEEE arithmetic has it, for Python's floats too."""
     if not (isinstance(a, _PLAIN) and isinstance(b, _PLAIN)):
-        return a / b
+        # an array of Dr.Jit cannot stand on the left of a number type of ours
+        return b.__rtruediv__(a) if dr.is_array_v(a) and not (dr.is_array_v(b) or isinstance(b, _PLAIN)) else a / b
     with np.errstate(all="ignore"):
         value = np.true_divide(a, b)
     return float(value) if isinstance(a, (int, float)) and isinstance(b, (int, float)) else value

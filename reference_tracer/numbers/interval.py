@@ -53,6 +53,15 @@ def _high(*values):
     return m
 
 
+def _both(a, b):
+    """a and b, each a Python bool, known while recording, or an array of them."""
+    return b if a is True else a if b is True else False if a is False or b is False else a & b
+
+
+def _either(a, b):
+    return b if a is False else a if b is False else True if a is True or b is True else a | b
+
+
 def _floor(x):
     return dr.floor(x) if dr.is_array_v(x) else np.floor(x)
 
@@ -60,13 +69,13 @@ def _floor(x):
 class Interval:
     """The closed interval [low, high].
 
-    `nonnegative` tells, without looking at values, that no number below zero is meant, though rounding may have pushed
-    `low` there: a sum of squares is defined under a square root.
+    `nonnegative` (bool or Bool) tells that no number below zero is meant, though rounding may have pushed `low` there: a
+    sum of squares is defined under a square root.
     """
 
     __slots__ = ("low", "high", "nonnegative")
 
-    def __init__(self, low, high=None, nonnegative: bool = False):
+    def __init__(self, low, high=None, nonnegative=False):
         self.low = low
         self.high = low if high is None else high
         self.nonnegative = nonnegative
@@ -76,7 +85,7 @@ class Interval:
 
     # --- rounding --------------------------------------------------------------------------------------------------
     @classmethod
-    def rounded(cls, low, high, ulps: int = 1, nonnegative: bool = False):
+    def rounded(cls, low, high, ulps: int = 1, nonnegative=False):
         """The interval of two computed bounds, each wrong by at most `ulps` units in the last place."""
         return cls(low, high, nonnegative)
 
@@ -85,7 +94,7 @@ class Interval:
         """A thin interval, unless `number` is an interval already."""
         if isinstance(number, Interval):
             return number
-        return cls(number, nonnegative=isinstance(number, (int, float)) and number >= 0)
+        return cls(number, nonnegative=number >= 0)
 
     @property
     def is_thin(self) -> bool:
@@ -107,7 +116,7 @@ class Interval:
 
     def hull(self, other):
         other = self.of(other)
-        return type(self)(_low(self.low, other.low), _high(self.high, other.high), self.nonnegative and other.nonnegative)
+        return type(self)(_low(self.low, other.low), _high(self.high, other.high), _both(self.nonnegative, other.nonnegative))
 
     # --- ring ------------------------------------------------------------------------------------------------------
     def __neg__(self):
@@ -116,7 +125,7 @@ class Interval:
     def __add__(self, other):
         other = self.of(other)
         return self.rounded(self.low + other.low, self.high + other.high,
-                            nonnegative=self.nonnegative and other.nonnegative)
+                            nonnegative=_both(self.nonnegative, other.nonnegative))
 
     __radd__ = __add__
 
@@ -132,26 +141,26 @@ class Interval:
             return self**2
         if _is_plain(other):
             low, high = (self.low, self.high) if other >= 0 else (self.high, self.low)
-            return self.rounded(low * other, high * other, nonnegative=self.nonnegative and other >= 0)
+            return self.rounded(low * other, high * other, nonnegative=_both(self.nonnegative, other >= 0))
         other = self.of(other)
         if self.is_thin:
             self, other = other, self
         products = [self.low * other.low, self.high * other.low]
         if not other.is_thin:
             products += [self.low * other.high, self.high * other.high]
-        return self.rounded(_low(*products), _high(*products), nonnegative=self.nonnegative and other.nonnegative)
+        return self.rounded(_low(*products), _high(*products), nonnegative=_both(self.nonnegative, other.nonnegative))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other):
         if _is_plain(other) and other:
             low, high = (self.low, self.high) if other > 0 else (self.high, self.low)
-            return self.rounded(low / other, high / other, nonnegative=self.nonnegative and other > 0)
+            return self.rounded(low / other, high / other, nonnegative=_both(self.nonnegative, other > 0))
         other = self.of(other)._finite_inside()
         quotients = [fn.quotient(a, b) for b in (other.low, other.high) for a in (self.low, self.high)]
         safe = other.excludes_zero()
         quotient = self.rounded(_low(*quotients), _high(*quotients))
-        return self._where(safe, quotient, self.nonnegative and other.nonnegative)
+        return self._where(safe, quotient, _both(self.nonnegative, other.nonnegative))
 
     def __rtruediv__(self, other):
         return self.of(other) / self
@@ -171,19 +180,21 @@ class Interval:
 
     # --- elementary functions --------------------------------------------------------------------------------------
     @classmethod
-    def _where(cls, defined, result, nonnegative: bool = False):
+    def _where(cls, defined, result, nonnegative=False):
         """`result` where `defined` holds, the whole line elsewhere."""
         return cls(fn.select(defined, result.low, -math.inf), fn.select(defined, result.high, math.inf), nonnegative)
 
-    def _increasing(self, function, ulps, nonnegative: bool = False):
+    def _increasing(self, function, ulps, nonnegative=False):
         self = self._finite_inside()
         return self.rounded(function(self.low), function(self.high), ulps, nonnegative)
 
-    def _above_zero(self, of_nonnegative, nonnegative: bool = False):
+    def _above_zero(self, of_nonnegative, nonnegative=False):
         """`of_nonnegative` of the part above zero; the whole line where there may be another part."""
         part = type(self)(fn.select(self.low >= 0, self.low, 0.0), fn.maximum(self.high, 0.0), True)._finite_inside()
         result = of_nonnegative(part)
-        return result if self.nonnegative else self._where(self.low >= 0, result, nonnegative)
+        if self.nonnegative is True:
+            return result
+        return self._where(_either(self.nonnegative, self.low >= 0), result, nonnegative)
 
     def sqrt(self):
         return self._above_zero(lambda part: part.rounded(fn.sqrt(part.low), fn.sqrt(part.high), ULPS["sqrt"])
@@ -255,11 +266,11 @@ class Interval:
 
     def minimum(self, other):
         other = self.of(other)
-        return type(self)(_low(self.low, other.low), _low(self.high, other.high), self.nonnegative and other.nonnegative)
+        return type(self)(_low(self.low, other.low), _low(self.high, other.high), _both(self.nonnegative, other.nonnegative))
 
     def maximum(self, other):
         other = self.of(other)
-        return type(self)(_high(self.low, other.low), _high(self.high, other.high), self.nonnegative or other.nonnegative)
+        return type(self)(_high(self.low, other.low), _high(self.high, other.high), _either(self.nonnegative, other.nonnegative))
 
     def where_larger(self, a, b, if_a, if_b):
         """`if_a` where all of a lies above b, `if_b` where below, the hull of both where they overlap."""
@@ -285,14 +296,14 @@ class OutwardInterval(Interval):
     __slots__ = ()
 
     @classmethod
-    def rounded(cls, low, high, ulps: int = 1, nonnegative: bool = False):
+    def rounded(cls, low, high, ulps: int = 1, nonnegative=False):
         w = ulps * _ULP
         return cls(low - (fn.absolute(low) * w + _TINY), high + (fn.absolute(high) * w + _TINY), nonnegative)
 
     @classmethod
     def of(cls, number):
         if isinstance(number, (int, float)) and not _is_plain(number) and number == number:  # subnormal
-            return cls(min(number, 0.0), _SMALLEST_NORMAL, True) if number > 0 else cls(-_SMALLEST_NORMAL, 0.0)
+            return cls(0.0, _SMALLEST_NORMAL, True) if number > 0 else cls(-_SMALLEST_NORMAL, 0.0)
         return super().of(number)
 
     def _not_negative(self):

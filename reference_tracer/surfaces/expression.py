@@ -117,7 +117,7 @@ class Expression(Surface):
     @property
     def family(self):
         # all that the choice of a method depends on is the same for a whole family
-        return f"expression{'' if self.bounds else ' without bounds'}: {self._forms.structure}" + (
+        return f"expression{'' if self.box() else ' without bounds'}: {self._forms.structure}" + (
             ", definite" if self.bounded_quadric else "")
 
     @property
@@ -134,7 +134,7 @@ class Expression(Surface):
 
     @property
     def bounded_quadric(self):
-        return self.bounds is not None and self._forms.definite
+        return self.box() is not None and self._forms.definite
 
     def box(self):
         return (self.bounds.low, self.bounds.high) if self.bounds else None

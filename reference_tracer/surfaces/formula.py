@@ -200,10 +200,10 @@ def _operation(node: Node) -> Callable:
         case Sum(terms):
             return _from_left([("add", operator.add) if sign > 0 else ("sub", operator.sub) for sign, _ in terms[1:]])
         case Product(factors):
-            return _from_left([("mul", operator.mul) if sign > 0 else ("truediv", operator.truediv)
+            return _from_left([("mul", operator.mul) if sign > 0 else ("truediv", fn.quotient)
                                for sign, _ in factors[1:]])
         case Power(_, n):
-            return lambda point, numbers, a: a**n
+            return lambda point, numbers, a: fn.whole_power(a, n)
         case RealPower():
             return lambda point, numbers, a, b: fn.power(a, b)
         case Call(name):

@@ -112,6 +112,16 @@ def test_what_is_not_finite_is_the_same_on_floats_and_arrays(name):
         np.testing.assert_allclose(np.broadcast_to(Float(on_drjit).numpy(), len(SPECIAL)), of_arrays, rtol=4e-13)
 
 
+@pytest.mark.parametrize("name", ["sin", "cos", "tan"])
+def test_waves_of_floats_are_right_or_nan(name):
+    """Beyond LARGEST_ANGLE Dr.Jit returns numbers of any size; decided they must not be (M7)."""
+    x = np.array([0.5, 1e3, 1e9, 1.5 * fn.LARGEST_ANGLE, 1e10, 1e300, math.inf, math.nan])
+    wave = getattr(fn, name)
+    found = wave(backend().Float(x)).numpy()
+    np.testing.assert_array_equal(np.isnan(found), ~(x <= fn.LARGEST_ANGLE))
+    np.testing.assert_allclose(found[:3], wave(x[:3]), rtol=1e-14)
+
+
 def test_a_power_at_zero_has_the_value_and_the_slope_it_has():
     for zero in (0.0, -0.0):
         power = fn.power(Dual(zero, (1.0,)), 1.25)
@@ -143,6 +153,9 @@ def test_a_sum_of_squares_is_no_negative_number_whatever_rounding_does_to_it():
         x, y = (OutwardInterval(array([0.0, -1.0]), array([0.0, 2.0])) for _ in range(2))
         root = fn.sqrt((x**2 + y * y) * 1e300)
         assert np.all(np.asarray(root.low) >= 0) and np.all(np.asarray(root.high) < 4e150)
+        factors = array([1e300, 2e300])  # arrays, as parameters of a family are
+        assert np.all(np.asarray(fn.sqrt(x**2 * factors + y * y).high) < 4e150)
+        assert np.all(np.isinf(np.asarray(fn.sqrt(x**2 * -factors + y * y).high)))
         assert np.all(np.asarray(fn.sqrt(OutwardInterval(array([-1.0, -1.0]), array([1.0, 1.0])) * 1e-300).low) == -math.inf)
 
 

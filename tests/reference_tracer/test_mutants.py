@@ -90,7 +90,7 @@ MUTANTS = {
         'return f"{written(base)}**{n}" if n >= 0', 'return f"{written(base)}**n" if n >= 0',
         formulas.test_numbers_are_no_part_of_a_family_but_exponents_and_structure_are),
     "one family with and without bounds": Mutant(
-        "{'' if self.bounds else ' without bounds'}", "",
+        "{'' if self.box() else ' without bounds'}", "",
         formulas.test_what_chooses_a_method_is_the_same_in_a_whole_family),
     # sections 4.1 and 4.2
     "M1 a double root is a hit": Mutant(
