@@ -228,15 +228,29 @@ def _finite(size: float) -> float:
     return size if math.isfinite(size) else 0.0
 
 
+class _OutOfRange(ArithmeticError):
+    """A number would not stay a normal double."""
+
+
 def _of_sane_size(tree: Node) -> Node:
     size = magnitude(tree)
-    return tree if abs(size) <= LARGEST_SCALE or math.isinf(size) else scaled(tree, -round(size))
+    if abs(size) <= LARGEST_SCALE or math.isinf(size):
+        return tree
+    try:
+        return scaled(tree, -round(size))
+    except _OutOfRange:  # its numbers are too far apart for any scale
+        return tree
 
 
 def scaled(tree: Node, k: int) -> Node:
-    """`tree` times 2**k, the factor taken into its numbers, so that nothing within it leaves the range of doubles."""
+    """`tree` times 2**k, the factor taken into its numbers, so that nothing within it leaves the range of doubles.
+
+    Raises _OutOfRange where a number would.
+    """
     match tree:
-        case Number(value) if math.frexp(value)[1] + k <= 1024:  # what vanishes does so beside the other terms
+        case Number(value):
+            if not _fits(value, k):
+                raise _OutOfRange
             return Number(math.ldexp(value, k))
         case Negation(operand):
             return Negation(scaled(operand, k))
@@ -259,10 +273,7 @@ def scaled(tree: Node, k: int) -> Node:
             return Call("sqrt", (scaled(operand, 2 * k),))
         case Call("cbrt", (operand,)):
             return Call("cbrt", (scaled(operand, 3 * k),))
-    while k:
-        step = max(-1000, min(1000, k))
-        tree, k = Product(((1, tree), (1, Number(math.ldexp(1.0, step))))), k - step
-    return tree
+    return Product(((1, tree), (1, scaled(Number(1.0), k))))
 
 
 def _fits(value: float, k: int) -> bool:
