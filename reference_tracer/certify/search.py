@@ -46,7 +46,8 @@ def _search(ray: _Ray, side: int, limit: fmpq, bits: int, only_first: bool):
     crossings, skip = [], False
     start, end = ray.sign(fmpq(0)), ray.sign(limit)
     if end == 0:
-        raise Undecidable("the surface passes where the ray ends")
+        finite = ray.series(arb(limit))[0].is_finite()
+        raise Undecidable("the surface passes where the ray ends" if finite else "f is not finite along the ray")
     wrong_start = start == -side
     if wrong_start:
         skip = ray.series(arb(0))[1] * side > 0

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from tracing_support import make_scene, shoot, thing
 
+from reference_tracer.certify.line import follow
 from reference_tracer.errors import InputError
 from reference_tracer.render import render
 from reference_tracer.surfaces import Expression
@@ -198,3 +199,9 @@ def test_M7_a_ray_that_leaves_the_domain_of_f_is_undecided_unless_it_has_hit_bef
     hits = ~found.undecided & (found.index == 0)
     np.testing.assert_allclose(found.t[hits], truth.t[hits], rtol=1e-13)
     assert hits.sum() > 100 and found.undecided.sum() > 100
+
+
+def test_a_ray_that_ends_outside_the_domain_of_f_is_undecided_for_that_reason():
+    dome = Expression(formula="max(z - sqrt(1 - x**2 - y**2), -z)")
+    assert follow(dome, (0.1, 0.2, 3.0), (0.5, 0.0, -1.0), False, 9.0).undecided == "f is not finite along the ray"
+    assert not follow(dome, (0.1, 0.2, 3.0), (0.0, 0.0, -1.0), False, 9.0).undecided
