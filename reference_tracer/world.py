@@ -115,6 +115,22 @@ class World:
                        for k in range(3)), 1e-300)
 
     @cached_property
+    def color_unit(self) -> float:
+        """The power of two of which films count colours in whole numbers (`Film`).
+
+        The n x n samples of a pixel add up to at most n^2 `_brightest` < 2^e. In units of 2^(e - 62) that stays below
+        2^62; the room up to 2^63 is for the rounding of weights and, half a unit a ray, of shares. Up to 16 x 16 samples
+        a unit is less than what fp64 rounds of the brightest colour, 2^-53 of it.
+        """
+        _, e = math.frexp(self._brightest * self.scene.tracing.samples**2)
+        return 2.0 ** max(e - 62, -1022)  # so that its reciprocal is finite
+
+    @cached_property
+    def units_of_color(self):
+        """1 / `color_unit`, as kernels read it (fp64 whatever the precision: single has no room for large powers)."""
+        return dr.opaque(dr.float64_array_t(self.arrays.Float), 1 / self.color_unit)
+
+    @cached_property
     def _least_weights(self):
         generations = range(self.scene.tracing.max_depth + 1)
         return [self.arrays.constant(self.scene.tracing.cutoff * 2.0**-k / self._brightest) for k in generations]
@@ -131,7 +147,7 @@ class World:
     def variables(self) -> list:
         """All arrays that kernels read of the world, for recordings of them."""
         canvas, axes, sides = self._camera
-        return [self.max_distance, self.background, self.light_count, self._material_columns, self._place_of_object,
+        return [self.max_distance, self.background, self.units_of_color, self.light_count, self._material_columns, self._place_of_object,
                 self._light_columns, [family.variables for family in self.families],
                 canvas.ratio, canvas.width, canvas.height, self.columns, axes, sides.words]
 
