@@ -194,13 +194,19 @@ class World:
                                 lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order)))
 
     def normal(self, point, index, active):
-        """grad f at `point` of object `index`, normalised; not yet turned against the ray."""
+        """grad f at `point` of object `index`, normalised; not yet turned against the ray.
+
+        NaN where the gradient is zero, not finite, or so small that underflow has taken digits of it.
+        """
         family_of, row_of = (dr.gather(self.arrays.UInt, column, index, active) for column in self._place_of_object)
         gradient = dr.zeros(self.arrays.Vector, dr.width(index))
         for k, family in enumerate(self.families):
             here = active & (family_of == k)
             gradient = dr.if_stmt((gradient,), here, lambda _: family.member(row_of, here).normal_at(point), lambda g: g)
-        return gradient / dr.norm(gradient)
+        # by its largest component first: the square of what is beyond 1e154 overflows
+        size = dr.max(dr.abs(gradient))
+        gradient /= size
+        return dr.select(size >= dr.smallest(self.arrays.Float), gradient / dr.norm(gradient), dr.nan)
 
     def light_through(self, ray: Ray, distance, active):
         """The part of a light's intensity that reaches the ray's origin from `distance` away (section 4.3.1, L3).

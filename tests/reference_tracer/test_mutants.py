@@ -21,6 +21,7 @@ import test_image_files as image_files
 import test_refraction as refraction
 import test_shading as shading
 import test_surfaces as surfaces
+import test_wavefront_against_recursion as against_recursion
 
 import reference_tracer
 from reference_tracer.errors import InputError
@@ -169,6 +170,22 @@ MUTANTS = {
         shading.test_D2_rays_that_hit_nothing_see_the_background, ("exact",)),
 }
 
+EVERY_RULE = against_recursion.test_paper_on_small_scenes, ("every function",)
+ORACLE = {  # what the fast tracer derives: the oracle has its own, and tells
+    "sides": Mutant("-np.inf < obj.surface(*local) < 0", "-np.inf < obj.surface(*local) < 50",
+                    against_recursion.test_paper_on_small_scenes, ("balls of glass and of mirror",)),
+    "rotation": Mutant("+ sin * cross", "- sin * cross", against_recursion.test_exact_on_small_scenes,
+                       ("turned quadrics",)),
+    "sine": Mutant("self._chain(fn.sin(self.value), fn.cos(self.value))",
+                   "self._chain(fn.sin(self.value), -fn.cos(self.value))", *EVERY_RULE),
+    "exponential": Mutant("return self._chain(power, power)", "return self._chain(power, power * 1.001)", *EVERY_RULE),
+    "product": Mutant("_plus(_times(da, other.value), _times(db, self.value))",
+                      "_plus(_times(da, self.value), _times(db, other.value))", *EVERY_RULE),
+    "power": Mutant("n * self.value ** (n - 1)", "self.value ** (n - 1)", *EVERY_RULE),
+    "larger": Mutant("else fn.where_larger(self.value, other.value,", "else fn.where_larger(other.value, self.value,",
+                     *EVERY_RULE),
+}
+
 
 def put_in_place(mutant: Mutant, folder: Path, monkeypatch) -> None:
     """Replaces the functions and methods of one module by those of its mutant, wherever they have been imported."""
@@ -203,6 +220,15 @@ def test_the_tests_notice_a_mutant(name, tmp_path, monkeypatch):
     with pytest.raises((AssertionError, ValueError)) as noticed:
         mutant.check(*mutant.arguments)
     assert not isinstance(noticed.value, InputError)  # that would be a check asked wrongly
+
+
+@pytest.mark.parametrize("name", ORACLE)
+def test_the_oracle_notices_a_mutant_of_what_it_does_not_share(name, tmp_path, monkeypatch):
+    """Derivatives, sides and rotations of recursive.py are its own: a fault in the fast tracer's parts the two."""
+    mutant = ORACLE[name]
+    put_in_place(mutant, tmp_path, monkeypatch)
+    with pytest.raises(AssertionError):
+        mutant.check(*mutant.arguments)
 
 
 @pytest.mark.parametrize("name", ["E1 as printed", "L3 once for an object", "O2 plane turned over",
