@@ -15,6 +15,7 @@ from .families import Family, Member
 from .placement import is_inside
 from .rays import Hit, Ray, Sides
 from .scene.model import EFFECTS, Scene
+from .ties import Margin, first_of_tied
 
 
 @dataclass
@@ -41,6 +42,7 @@ class World:
             Family(arrays, indices, [scene.objects[i] for i in indices],
                    first_hit.choose(method, scene.objects[indices[0]], scene.tracing, arrays))
             for _, indices in sorted(groups.items())]  # sorted: scenes with the same families share kernels
+        self.vouching = [f for f in self.families if f.method.vouches] if self.object_count > 1 else []
 
         materials = [o.material for o in scene.objects]
         self.reflective = any(m.reflection > 0 for m in materials)
@@ -178,20 +180,33 @@ class World:
         usable = dr.isfinite(dr.squared_norm(ray.d))
         hit = Hit(t=Float(math.inf), order=dr.select(usable, self.max_distance, 0),
                   index=UInt(self.object_count), undecided=~usable)
+        margin, close = (Margin(ray), self.arrays.Bool(False)) if self.vouching else (None, None)
         for family in self.families:
-            hit = self._nearest_of(family, ray, hit)
+            hit, close = self._nearest_of(family, ray, hit, margin, close)
+        if self.vouching:
+            hit.index, hit.undecided = first_of_tied(self.vouching, ray, hit, close)
         return hit
 
-    def _nearest_of(self, family: Family, ray: Ray, hit: Hit) -> Hit:
-        def step(member: Member, t, order, index, undecided):
-            c = family.method.first(member.solid, member.local(ray.o, ray.d), ray.sides.test(member.index), order)
-            closer = c.found & ((c.order < order) | ((c.order == order) & (c.t < t)))
+    def _nearest_of(self, family: Family, ray: Ray, hit: Hit, margin: Margin | None, close):
+        """The nearer of `hit` and the first crossing with the family's objects, and where another is `close` to it."""
+        told = margin if family.method.vouches else None  # the literal method knows no margin (M4)
+
+        def step(member: Member, t, order, index, undecided, *close):
+            limit = order if told is None else told.end(order)
+            c = family.method.first(member.solid, member.local(ray.o, ray.d), ray.sides.test(member.index), limit)
+            earlier = (c.t < t) | ((c.t == t) & (member.index < index))
+            closer = c.found & ((c.order < order) | ((c.order == order) & earlier))
+            if told is not None:
+                near = c.found & (c.order > told.start(order))
+                close = (dr.select(closer & ~near, False, close[0] | near),)
             return (dr.select(closer, c.t, t), dr.select(closer, c.order, order),
-                    dr.select(closer, member.index, index), undecided | c.undecided)
+                    dr.select(closer, member.index, index), undecided | c.undecided, *close)
 
         # the ray from within a solid starts within its ball: none is left out
-        return Hit(*family.fold(step, (hit.t, hit.order, hit.index, hit.undecided),
-                                lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order)))
+        state = hit.t, hit.order, hit.index, hit.undecided, *([] if close is None else [close])
+        *found, close = (*family.fold(step, state, lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order)),
+                         *([None] if close is None else []))
+        return Hit(*found), close
 
     def normal(self, point, index, active):
         """grad f at `point` of object `index`, normalised; not yet turned against the ray.

@@ -21,6 +21,7 @@ import test_image_files as image_files
 import test_refraction as refraction
 import test_shading as shading
 import test_surfaces as surfaces
+import test_ties as ties
 import test_wavefront_against_recursion as against_recursion
 
 import reference_tracer
@@ -81,8 +82,8 @@ MUTANTS = {
         "dr.floor(known / self.step_size) - 1", "known / self.step_size",
         decisions.test_M2_samples_lie_at_multiples_of_the_step_counted_from_one),
     "M2 side read off f": Mutant(
-        "ray.sides.test(member.index), order)",
-        "member.solid.inside_at(member.local(ray.o, ray.d), 0.0), order)",
+        "ray.sides.test(member.index), limit)",
+        "member.solid.inside_at(member.local(ray.o, ray.d), 0.0), limit)",
         decisions.test_M2_the_side_at_the_start_is_told_and_not_read_off_f, ("exact",)),
     "M3 refraction keeps its side": Mutant(
         "self.words[0] ^ (bits(1) << bit)", "self.words[0]",
@@ -95,8 +96,25 @@ MUTANTS = {
         "Ray(pick(arrays.Vector, parents.point, active) + d * 1e-4, d, sides)",
         decisions.test_M3_nothing_is_offset_by_an_epsilon, ("exact",)),
     "M4 the first in the scene's order": Mutant(
-        "((c.order < order) | ((c.order == order) & (c.t < t)))", "(c.order < order)",
+        "((c.order < order) | ((c.order == order) & earlier))", "(c.order < order)",
         decisions.test_M4_of_several_changes_in_one_step_the_nearest_counts, ("sphere", (0, 1))),
+    "M4 the last of equal objects": Mutant(
+        "(member.index < index)", "(member.index > index)",
+        ties.test_M4_the_literal_method_takes_the_first_of_two_equal_objects_and_decides, ("sphere", "sphere")),
+    "M4 the last of those that tie": Mutant(
+        "dr.minimum(first, member.index)", "member.index", ties.test_M4_coplanar_faces, ("exact",)),
+    "M4 the nearest of the computed distances": Mutant(
+        "dr.select(crossed, first, index)", "index",
+        ties.test_M4_of_one_ball_twice_the_first_is_seen_and_its_pixels_are_undecided, ("sphere", "formula")),
+    "M4 ties decided": Mutant(
+        "undecided | ~crossed | (tied > 1)", "undecided | ~crossed",
+        ties.test_M4_of_one_ball_twice_the_first_is_seen_and_its_pixels_are_undecided, ("sphere", "sphere")),
+    "M4 everything near is undecided": Mutant(
+        "(tied > 1)", "(tied > 0)", ties.test_M4_what_is_decided_of_near_ties_is_right, ("spheres", 1e-12)),
+    "M4 nobody looks beyond the nearest": Mutant(
+        "dr.fma(t, 1 + self.share, self.least)", "t",
+        ties.test_M4_the_order_of_the_scene_counts_and_not_that_of_families_or_clusters,
+        ("interval", ("formula", "sphere"))),
     "M5 rays of twice the length": Mutant(
         "dr.select(usable, self.max_distance, 0)", "dr.select(usable, 2 * self.max_distance, 0)",
         decisions.test_M5_every_ray_ends_at_max_distance_counted_anew, ("exact",)),
