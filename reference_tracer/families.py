@@ -18,11 +18,12 @@ from .backend import Backend
 from .bounds import Ball, bounding_ball
 from .clusters import SIZE, cluster_balls, spatial_order
 from .first_hit import LocalRay, Solid
-from .numbers import Dual
+from .numbers import Dual, OutwardInterval
 from .placement import rotation_matrix
 from .scene.model import Object
 
 BOX_MARGIN = 1e-6  # relative; keeps crossings on the box's own faces, where a sphere touches it, inside
+ROUNDING_OF_TURNS = 2.0**-49  # of a rotation matrix's entries, at most: sine, cosine and axis, a dozen operations
 MOST_UNROLLED = 16  # objects of one family; beyond it the kernel's length costs more than reading a table
 
 
@@ -35,12 +36,26 @@ class Member:
     rotation: list | None  # three columns (Vector) of the rotation matrix, or None for the identity
     solid: Solid
     ball: Ball | None  # that holds the solid's surface; None where it is unbounded
+    enclosed: Callable  # the regular form on intervals, its parameters intervals too
 
     def local(self, o, d) -> LocalRay:
         return LocalRay(self._into(o - self.center), self._into(d))
 
     def _into(self, v):
         return v if self.rotation is None else type(v)(*(dr.dot(column, v) for column in self.rotation))
+
+    def signs_at(self, o, d, t):
+        """Whether f at o + t d is negative, and whether it is positive, for certain (Bools).
+
+        Every rounding counts, those on the way into the object's own frame too: signs of different objects compare.
+        """
+        t = OutwardInterval(t)
+        p = [t * d[k] + o[k] - self.center[k] for k in range(3)]
+        if self.rotation is not None:
+            entry = lambda c: OutwardInterval(c - ROUNDING_OF_TURNS, c + ROUNDING_OF_TURNS)
+            p = [p[0] * entry(column[0]) + p[1] * entry(column[1]) + p[2] * entry(column[2]) for column in self.rotation]
+        g = OutwardInterval.of(self.enclosed(*p))
+        return g.high < 0, g.low > 0
 
     def normal_at(self, point):
         """The gradient of the regular form at `point`, in world space, not normalised (decision N1)."""
@@ -139,10 +154,13 @@ class Family:
                 return form and (lambda x, y, z: form(x, y, z, **parameters))
             return lambda x, y, z: form(x, y, z, **parameters) * sign
 
+        _, regular, _ = self.forms
+        intervals = {name: OutwardInterval(value) for name, value in parameters.items()}
+        enclosed = lambda x, y, z: regular(x, y, z, **intervals) if sign is None else regular(x, y, z, **intervals) * sign
         far_inside = arrays.Bool(False) if sign is None else sign < 0
         forms = {form: signed(form) for form in self.forms}  # one and the same where they are
         solid = Solid(*(forms[form] for form in self.forms), box, far_inside)
-        return Member(index, center, rotation, solid, Ball(center, radius) if self.bounded else None)
+        return Member(index, center, rotation, solid, Ball(center, radius) if self.bounded else None, enclosed)
 
     @cached_property
     def _clusters(self):
@@ -153,14 +171,16 @@ class Family:
         dr.make_opaque(table)
         return table
 
-    def fold(self, step: Callable[..., tuple], state: tuple, worth: Callable[..., object]) -> tuple:
+    def fold(self, step: Callable[..., tuple], state: tuple, worth: Callable[..., object],
+             unrolled: bool = True) -> tuple:
         """`state = step(member, *state)` for every member in turn; what is returned is the last state.
 
-        Members are left out of lanes where `worth(ball, *state)` is false for a ball that holds them.
+        Members are left out of lanes where `worth(ball, *state)` is false for a ball that holds them. What is seldom
+        asked for is better not `unrolled`: kernels stay short.
         """
         asked = lambda member, *state: step(member, *state) if not self.asks_bounds else dr.if_stmt(
             state, worth(member.ball, *state), lambda *state: step(member, *state), lambda *state: state)
-        if len(self.rows) <= MOST_UNROLLED:
+        if unrolled and len(self.rows) <= MOST_UNROLLED:
             for member in self._members:
                 state = asked(member, *state)
             return state

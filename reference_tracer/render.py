@@ -129,7 +129,8 @@ class Renderer:
         centres = film.wants_hits and samples > 1  # the geometry planes belong to the pixel's centre
         if centres:
             hits = self._first_hits(camera_rays(self.world, pixels, 1), self.world.variables)
-        film.store(slice(pixels.start, pixels.stop), light, samples, hits, self.world.object_count)
+        film.store(slice(pixels.start, pixels.stop), light, self.world.color_unit, samples, hits,
+                   self.world.object_count)
         return count if centres else 0
 
     def _first_hit(self, source: CameraRays, variables) -> Primary:
@@ -149,4 +150,4 @@ class Renderer:
             pixels = chosen[start:start + most]
             light, _ = wavefront.trace(camera_rays(self.world, pixels, samples), len(pixels) * samples**2,
                                        max(len(pixels), 2), primary=False)
-            film.store(pixels, light, samples)
+            film.store(pixels, light, self.world.color_unit, samples)

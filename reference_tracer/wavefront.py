@@ -23,6 +23,7 @@ from .world import World
 MOST_RAYS = 1 << 20  # about 200 MB of intermediate results
 REFRACTED = 1 << 31  # marks a refraction ray in a queue
 NO_RAY = (1 << 32) - 1  # pads a queue
+DECIDED, IN_DOUBT, NO_COLOR = 0, 1, 2  # of a pixel: the worst of its rays counts
 
 
 @dataclass
@@ -57,26 +58,38 @@ class Primary:
 
 @dataclass
 class Film:
-    """What the rays of a band add up to, one entry a slot (a pixel)."""
+    """What the rays of a band add up to, one entry a slot (a pixel).
 
-    color: object  # Vector
+    Rays of one pixel are added by several threads in any order. Sums of whole numbers do not depend on it, those of
+    floats do: colours are added up as multiples of `World.color_unit`, so that a picture repeats to the last bit.
+    """
+
+    color: object  # vector of Int64, in units of `World.color_unit`
     generation: object  # UInt, the highest generation of rays that was traced
-    undecided: object  # UInt, 1 where any ray was undecided
+    doubt: object  # UInt, DECIDED, IN_DOUBT where any ray was undecided, NO_COLOR where any colour is not finite
 
     @staticmethod
     def blank(arrays, slots: int) -> Film:
-        film = Film(dr.zeros(arrays.Vector, slots), dr.zeros(arrays.UInt, slots), dr.zeros(arrays.UInt, slots))
-        dr.make_opaque(film.color, film.generation, film.undecided)
+        film = Film(dr.zeros(dr.int64_array_t(arrays.Vector), slots), dr.zeros(arrays.UInt, slots),
+                    dr.zeros(arrays.UInt, slots))
+        dr.make_opaque(film.color, film.generation, film.doubt)
         return film
 
     # Direct: the default mode depends on the film's size, and kernels with it
-    def add(self, wave: Wave, color) -> None:
-        dr.scatter_add(self.color, color * wave.weight, wave.slot, mode=dr.ReduceMode.Direct)
+    def add(self, world: World, color, weight, slot):
+        """Adds `color` times `weight`; returns where that is finite (Bool). What is not finite is not added."""
+        share = color * weight
+        finite = dr.isfinite(dr.sum(share))
+        units = dr.round(dr.float64_array_t(share)(share) * world.units_of_color)
+        dr.scatter_add(self.color, type(self.color)(dr.select(finite, units, 0)), slot, mode=dr.ReduceMode.Direct)
+        return finite
 
-    def note(self, wave: Wave, undecided, generation) -> None:
-        # rays of weight 0 pad the queue and belong to no pixel; those of one pixel all write the same
+    def note(self, wave: Wave, undecided, finite, generation) -> None:
+        # rays of weight 0 pad the queue and belong to no pixel; those of one pixel write the same generation
         traced = wave.weight > 0
-        dr.scatter(self.undecided, type(self.undecided)(1), wave.slot, traced & undecided)
+        doubt = dr.select(finite, type(self.doubt)(IN_DOUBT), NO_COLOR)
+        dr.scatter_reduce(dr.ReduceOp.Max, self.doubt, doubt, wave.slot, traced & (undecided | ~finite),
+                          mode=dr.ReduceMode.Direct)
         highest = dr.maximum(dr.gather(type(generation), self.generation, wave.slot, traced), generation)
         dr.scatter(self.generation, highest, wave.slot, traced)
 
@@ -203,14 +216,13 @@ class Wavefront:
         world, watched = self.world, wave is not None
         wave = wave or source.wave(world, -1)
         collision = collide(world, wave.ray, active=wave.weight > 0)
-        film.add(wave, collision.color)
-        film.note(wave, collision.undecided, generation)
+        finite = film.add(world, collision.color, wave.weight, wave.slot)
+        film.note(wave, collision.undecided, finite, generation)
         parents = Parents.of(wave, collision)
         if last:  # beyond the last generation lies the background (decision D1)
             if any(world.scene.background):
                 for weight, _ in parents.weights:
-                    dr.scatter_add(film.color, world.arrays.Vector(*world.background) * weight, wave.slot,
-                                   mode=dr.ReduceMode.Direct)
+                    film.add(world, world.arrays.Vector(*world.background), weight, wave.slot)
             parents = None
         met = Primary.of(world, collision.hit, collision.point, collision.normal) if primary else None
         if watched:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ..numbers import Dual
@@ -15,13 +17,13 @@ def starts_on(surface: Surface, o) -> bool:
     """Whether `o` (the surface's own frame) lies on the surface but for rounding: |f| / |grad f| is tiny."""
     value, gradient = _linear(surface, o)
     with np.errstate(all="ignore"):
-        return bool(abs(value) <= ON_SURFACE * (1 + np.abs(o).max()) * np.linalg.norm(gradient))
+        return bool(abs(value) <= ON_SURFACE * (1 + np.abs(o).max()) * math.hypot(*gradient))
 
 
 def starts_along(surface: Surface, o, d) -> bool:
     """Whether the ray starts on the surface and nearly in its tangent plane."""
     _, gradient = _linear(surface, o)
-    return starts_on(surface, o) and bool(abs(gradient @ d) < GRAZING * np.linalg.norm(gradient))
+    return starts_on(surface, o) and bool(abs(gradient @ d) < GRAZING * math.hypot(*gradient))
 
 
 def _linear(surface: Surface, point) -> tuple[float, np.ndarray]:

@@ -66,6 +66,7 @@ class BoundedQuadric:
     """First hits and crossings from the chord; what the ray's side says decides which end counts."""
 
     name = "bounded quadric"
+    vouches = True
     closed_form = True
     variables = ()
 

@@ -91,6 +91,7 @@ class FirstHit(Protocol):
     """A method that finds where rays change side."""
 
     name: str
+    vouches: bool  # its distances are those of first crossings, but for rounding
     closed_form: bool  # cheap enough not to ask first whether the ray meets the solid's bounds
     variables: tuple = ()  # the arrays that its kernels read
 

@@ -15,6 +15,7 @@ class Linear:
     """
 
     name = "linear"
+    vouches = True
     closed_form = True
     variables = ()
 

@@ -19,6 +19,7 @@ class Paper:
     """
 
     name = "paper"
+    vouches = False
     closed_form = False
 
     def __init__(self, arrays, step_size: float, tolerance: float, max_iterations: int):

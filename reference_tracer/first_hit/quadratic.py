@@ -77,6 +77,7 @@ class Quadratic:
     """
 
     name = "quadratic"
+    vouches = True
     closed_form = True
     variables = ()
 

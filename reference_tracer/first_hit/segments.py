@@ -32,6 +32,7 @@ class SegmentMethod:
     """First hits and crossings from `scan`, which a subclass gives."""
 
     evaluations: int  # of f, for each segment
+    vouches = True
     closed_form = False
     variables = ()
 

@@ -177,4 +177,6 @@ def where_larger(a, b, if_a, if_b):
         method = getattr(number, "where_larger", None)
         if method is not None:
             return method(a, b, if_a, if_b)
+    if dr.is_array_v(a) or dr.is_array_v(b):  # of two Python numbers dr.select makes one of single precision
+        if_a, if_b = map(dr.expr_t(a, b), (if_a, if_b))
     return select(a >= b, if_a, if_b)
