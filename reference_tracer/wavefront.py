@@ -132,6 +132,11 @@ class Parents:
         return [(weight, refracts) for weight, refracts in kinds if weight is not None]
 
 
+def row_bytes(objects: int) -> int:
+    """The bytes that a collision takes in `Parents`, in double precision, in a scene of that many objects."""
+    return 92 + 16 * -(-objects // BITS)
+
+
 @dataclass
 class Secondary:
     """The secondary rays that `queue` lists: rows of `parents`, REFRACTED added to those of refraction rays."""
@@ -212,7 +217,7 @@ class Wavefront:
 
     def _longest(self, held: int) -> int:
         """How many rays the next wave may have: half of the room that is left, so that any depth fits."""
-        row = 92 + 16 * -(-self.world.object_count // BITS)  # bytes of `Parents`
+        row = row_bytes(self.world.object_count)
         return min(MOST_RAYS, max(LEAST_PART, (MOST_HELD // row - held) // 2))
 
     def _traced(self, source: Source, film: Film, generation: int, primary: bool):
