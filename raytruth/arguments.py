@@ -14,9 +14,13 @@ class Parser(argparse.ArgumentParser):
     """Ends with one sentence and exit code 2, where argparse would print the whole usage before it."""
 
     def error(self, message: str):
-        message = " ".join("".join(c if c.isprintable() else "?" for c in message).split())
-        message = message if len(message) <= 300 else message[:300] + "..."
-        self.exit(2, f"raytruth: {message.removeprefix('argument ')}; '{self.prog} --help' tells more\n")
+        self.exit(2, f"raytruth: {sentence(message).removeprefix('argument ')}; '{self.prog} --help' tells more\n")
+
+
+def sentence(text: object, longest: int = 300) -> str:
+    """`text` in one printable line; words longer than `longest` characters, which only input has, are cut."""
+    words = "".join(c if c.isprintable() else "?" if not c.isspace() else " " for c in str(text)).split()
+    return " ".join(word if len(word) <= longest else word[:longest // 2] + "..." for word in words)
 
 
 def size(text: str) -> tuple[int, int]:

@@ -10,7 +10,7 @@ import sys
 import threading
 from importlib import import_module
 
-from .arguments import Parser
+from .arguments import Parser, sentence
 
 COMMANDS = ("scenes", "render", "compare", "attribute", "report", "certify", "sensitivity", "stability",
             "transport", "chart", "plan", "doctor")
@@ -44,30 +44,31 @@ def main(argv: list[str] | None = None) -> int:
     arguments = parser.parse_args(argv)
     from reference_tracer.errors import InputError
 
-    sentence = "raytruth: interrupted" + ("; finished runs are kept" if arguments.command in KEEPING else "")
-    with _interruptible(sentence):
+    goodbye = "raytruth: interrupted" + ("; finished runs are kept" if arguments.command in KEEPING else "")
+    with _interruptible(goodbye):
         try:
             return modules[arguments.command].run(arguments)
         except InputError as error:
-            print(f"raytruth: {' '.join(str(error).split())}", file=sys.stderr)
+            print(f"raytruth: {sentence(error)}", file=sys.stderr)
             return BAD_INPUT
         except BrokenPipeError:  # the reader of our output has gone
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             return OK
         except OSError as error:  # a disk that is full, a folder that may not be written
             what = f"{error.filename}: cannot be used" if error.filename else "the system refuses"
-            print(f"raytruth: {what} ({error.strerror or error})", file=sys.stderr)
+            print(f"raytruth: {sentence(f'{what} ({error.strerror or error})')}; choose another file or folder, or make room",
+                  file=sys.stderr)
             return BAD_INPUT
         except MemoryError:
             print("raytruth: there is too little memory for this; make the picture or the scene smaller", file=sys.stderr)
             return BAD_INPUT
         except KeyboardInterrupt:
-            print(sentence, file=sys.stderr)
+            print(goodbye, file=sys.stderr)
             return INTERRUPTED
 
 
 @contextlib.contextmanager
-def _interruptible(sentence: str):
+def _interruptible(goodbye: str):
     """Ctrl-C ends the process soon, also while a kernel runs or is compiled, where Python does not hear of it."""
     if (threading.current_thread() is not threading.main_thread()
             or signal.getsignal(signal.SIGINT) is not signal.default_int_handler):
@@ -82,7 +83,7 @@ def _interruptible(sentence: str):
             pass
         if numbers and not ended.wait(PATIENCE):
             shown = "\x1b[?25h\n" if sys.stderr.isatty() else ""  # a progress bar hides the cursor
-            os.write(2, f"{shown}{sentence}\n".encode())
+            os.write(2, f"{shown}{goodbye}\n".encode())
             os._exit(INTERRUPTED)
 
     before = signal.set_wakeup_fd(tells, warn_on_full_buffer=False)

@@ -61,7 +61,7 @@ class Input:
 def make(seed: int, number: int) -> Input:
     """Input `number` of `seed`."""
     chance = random.Random(f"{seed}/{number}")
-    kind = chance.choices((torn, mutated, formulas, extreme, options), weights=(24, 26, 16, 5, 29))[0]
+    kind = chance.choices((torn, mutated, formulas, extreme, options), weights=(24, 28, 16, 2, 30))[0]
     made = kind(chance)
     made.number, made.kind = number, kind.__name__
     return made
@@ -127,7 +127,7 @@ def extreme(chance: random.Random) -> Input:
     part = lambda: chance.choice((0.0, 1e-300, 0.5, 1.0))
     length = lambda: chance.choice((2e-6, 0.01, 1.0, 30.0, 1e6))
     objects = []
-    for _ in range(chance.choice((1, 2, 5, 20))):
+    for _ in range(chance.choice((1, 1, 2, 3, 20))):
         surface = chance.choice((
             {"type": "sphere", "r": length()}, {"type": "plane", "a": far(), "b": 1.0, "c": far()},
             {"type": "torus", "R": length(), "r": length()}, {"type": "heart"},
