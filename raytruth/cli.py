@@ -41,6 +41,8 @@ def main(argv: list[str] | None = None) -> int:
         own = commands.add_parser(name, help=summary[0].lower() + summary[1:].rstrip("."), description=module.__doc__,
                                   formatter_class=argparse.RawDescriptionHelpFormatter)
         module.add_arguments(own)
+    if any("\0" in argument for argument in argv or ()):  # no shell can pass one, a program can
+        parser.error("an option or path holds the character NUL; leave it out")
     arguments = parser.parse_args(argv)
     from reference_tracer.errors import InputError
 

@@ -26,5 +26,6 @@ def rotation_matrix(rotation: Rotation | None) -> np.ndarray:
 def is_inside(obj: Object, point) -> bool:
     """Whether `point` (world space) lies inside the object: f < 0 (decision O1). The side of a camera ray (M3)."""
     local = rotation_matrix(obj.rotation).T @ (np.asarray(point, float) - np.array(obj.surface.center))
-    with np.errstate(all="ignore"):
-        return bool(-np.inf < obj.surface(*local) < 0)
+    with np.errstate(all="ignore"):  # arrays: Python's own floats raise where IEEE arithmetic divides by zero
+        value = np.ravel(obj.surface(*local[:, np.newaxis]))[0]
+    return bool(-np.inf < value < 0)
