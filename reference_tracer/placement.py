@@ -29,6 +29,7 @@ def is_inside(obj: Object, point, literal: bool = False) -> bool:
     From the regular form, whose sign does not drown where f leaves the range of doubles; `literal`: from f as written.
     """
     local = rotation_matrix(obj.rotation).T @ (np.asarray(point, float) - np.array(obj.surface.center))
-    with np.errstate(all="ignore"):
-        f = obj.surface(*local) if literal else obj.surface.regular(*local)
-        return bool(-np.inf < f < 0)
+    form = obj.surface if literal else obj.surface.regular
+    with np.errstate(all="ignore"):  # arrays: Python's own floats raise where IEEE arithmetic divides by zero
+        value = np.ravel(form(*local[:, np.newaxis]))[0]
+    return bool(-np.inf < value < 0)

@@ -16,16 +16,16 @@ from __future__ import annotations
 
 import json
 
-from .render import size
+from ..arguments import resized, size, whole
 
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of files (default: all shipped)")
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
     parser.add_argument("--method", default="exact", help="the first-hit method to certify (default exact)")
-    parser.add_argument("--sample", type=int, default=1000, metavar="N", help="rays to decide exactly (default 1000)")
-    parser.add_argument("--paths", type=int, default=16, metavar="N", help="pixels to recompute (default 16)")
-    parser.add_argument("--threads", type=int, metavar="N", help="threads to use (default: all cores)")
+    parser.add_argument("--sample", type=whole(0), default=1000, metavar="N", help="rays to decide exactly (default 1000)")
+    parser.add_argument("--paths", type=whole(0), default=16, metavar="N", help="pixels to recompute (default 16)")
+    parser.add_argument("--threads", type=whole(1, 1024), metavar="N", help="threads to use (default: all cores)")
     parser.add_argument("--json", action="store_true", help="print a JSON list for programs")
 
 
@@ -33,14 +33,10 @@ def run(arguments) -> int:
     from comparisons.progress import Progress
     from reference_tracer.certify import certify
     from reference_tracer.certify.text import told
-    from reference_tracer.errors import InputError
     from reference_tracer.scene import library
 
-    for name in ("sample", "paths"):
-        if getattr(arguments, name) < 0:
-            raise InputError(f"--{name}: must not be negative; found {getattr(arguments, name)}")
     scenes = [library.find(name) for name in arguments.scene or library.names()]
-    scenes = [_sized(scene, arguments.size) for scene in scenes]
+    scenes = [resized(scene, arguments.size) for scene in scenes]
     certificates, bar = [], Progress(len(scenes))
     for k, scene in enumerate(scenes):
         def show(stage: str, share: float, done=k, name=scene.name):
@@ -58,18 +54,6 @@ def run(arguments) -> int:
     elif len(certificates) > 1:
         print(_summary(certificates))
     return 0 if all(c.passed for c in certificates) else 1
-
-
-def _sized(scene, size):
-    from pydantic import ValidationError
-
-    from reference_tracer.errors import InputError
-    from reference_tracer.scene.load import one_line
-
-    try:
-        return scene.resized(*size) if size else scene
-    except ValidationError as error:
-        raise InputError(f"--size: {one_line(error)}") from None
 
 
 def _summary(certificates) -> str:

@@ -15,11 +15,13 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from ..arguments import require_folder, whole
+
 
 def add_arguments(parser):
     parser.add_argument("--family", action="append", default=[], metavar="NAME",
                         help="run this family only (repeatable)")
-    parser.add_argument("--rays", type=int, default=400, metavar="N", help="rays at every value of p (default 400)")
+    parser.add_argument("--rays", type=whole(1), default=400, metavar="N", help="rays at every value of p (default 400)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for stability.json (default: results, if every family is run)")
     parser.add_argument("--json", action="store_true", help="print the document")
@@ -33,6 +35,7 @@ def run(arguments) -> int:
         raise InputError(f"--rays: must be {suite.FEWEST_RAYS} to {suite.MOST_RAYS}; found {arguments.rays}")
     chosen = families.find(arguments.family)
     folder = arguments.results or (None if arguments.family else Path("results"))
+    require_folder(folder)
     document = suite.run(chosen, rays=arguments.rays, quiet=False)
     if folder is not None:
         results.write(document, folder)
