@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from reference_tracer.errors import InputError
+from reference_tracer.reach import reach_in_frame
 from reference_tracer.scene.model import Object, Scene
 from reference_tracer.surfaces import Paraboloid, Plane
 
@@ -15,7 +16,6 @@ from .mesh import Mesh
 from .occupied import tight_box
 from .placed import Placed
 from .project import normals_at, project
-from .reach import reach_in_frame
 from .sheets import paraboloid_grid, plane_grid, plane_patch
 
 COARSE = 32  # resolution of the first guess of `mesh_to_error`
@@ -82,10 +82,10 @@ def interior_errors(placed: Placed, vertices, faces, most: int | None = None) ->
 def _triangles(placed: Placed, scene: Scene, resolution: int) -> tuple[np.ndarray, np.ndarray, str]:
     """Vertices on f = 0 in the surface's own frame, faces, and what was clipped."""
     nothing = np.empty((0, 3)), np.empty((0, 3), np.int64), "no ray can reach it: left out"
-    surface, box = placed.surface, placed.box
-    if box is not None:
-        return *_marched(placed, box, resolution), ""
-    within = reach_in_frame(scene, placed)
+    surface, region = placed.surface, placed.region
+    if region is not None:
+        return *_marched(placed, region, resolution), placed.unproven
+    within = reach_in_frame(scene, placed.object)
     if isinstance(surface, Plane):
         patch = plane_patch(surface, within)
         if patch is None:

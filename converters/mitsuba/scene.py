@@ -62,11 +62,11 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
     made, parts = {}, []
     for index, obj in enumerate(scene.objects):
         placed = Placed(obj)
-        gridded = shapes == "sdfgrid" and placed.box is not None
+        gridded = shapes == "sdfgrid" and placed.region is not None
         exact = native(obj, scene) if shapes != "mesh" and not gridded else None
         if gridded:
             shape, distance = grid(placed, resolution)
-            part = Part("sdfgrid", 0, distance, "")
+            part = Part("sdfgrid", 0, distance, placed.unproven)
         elif exact:
             shape, part = exact[0], Part("native", 0, 0.0, exact[1])
         else:

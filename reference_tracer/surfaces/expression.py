@@ -10,11 +10,12 @@ from collections.abc import Callable
 from functools import cached_property, lru_cache
 from typing import ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from ..numbers import NotAlgebraic, Polynomial
 from ..numbers import functions as fn
-from .surface import Surface, Vector
+from .outside import outside
+from .surface import Bounds, Surface
 
 LONGEST_FORMULA = 2000  # characters
 MOST_NODES = 500
@@ -162,26 +163,12 @@ def compile_formula(text: str) -> Evaluator:
     return evaluator
 
 
-class Bounds(BaseModel):
-    """Two opposite corners of a box, in the surface's own frame."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-    low: Vector
-    high: Vector
-
-    @model_validator(mode="after")
-    def _in_order(self):
-        if any(low >= high for low, high in zip(self.low, self.high)):
-            raise ValueError("every number of low must be smaller than the one of high")
-        return self
-
-
 class Expression(Surface):
     """Any f(x, y, z) the user types, e.g. "x**4 + y**4 + z**4 - 1", with a bounding box if the solid is bounded."""
 
     type: Literal["expression"] = "expression"
     formula: str = Field(max_length=LONGEST_FORMULA, description=f"f(x, y, z), written with {VOCABULARY}")
-    bounds: Bounds | None = Field(None, description="a box that holds the whole surface; without it, it is unbounded")
+    bounds: Bounds | None = Field(None, description="a promise that this box holds the whole surface; without it, it is unbounded")
 
     title: ClassVar[str] = "Expression"
     equation: ClassVar[str] = "f(x, y, z) = 0, as typed"
@@ -216,5 +203,12 @@ class Expression(Surface):
             return None
         return value.degree if isinstance(value, Polynomial) else None
 
+    def region(self):
+        return self.bounds.corners if self.bounds else None
+
     def box(self):
-        return (self.bounds.low, self.bounds.high) if self.bounds else None
+        return self.region() if self.sign_outside else None
+
+    @property
+    def sign_outside(self):
+        return outside(self, self.bounds.corners, length=len(self.formula)).sign if self.bounds else 0

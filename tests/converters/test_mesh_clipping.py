@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from converters.mesh import check
-from converters.mesh.reach import reach
+from reference_tracer.reach import reach
 from reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Tracing
 from reference_tracer.surfaces import Expression, Paraboloid, Plane, Sphere
 
