@@ -51,9 +51,8 @@ class Clipped(Surface):
         def cut(x, y, z, *, low_x, low_y, low_z, high_x, high_y, high_z, **own):
             value = form(x, y, z, **own)
             value = -value if flipped else value
-            # f stands second: where it is NaN the greater of the two is NaN on Dr.Jit's arrays too (decision M7)
             for p, low, high in ((x, low_x, high_x), (y, low_y, high_y), (z, low_z, high_z)):
-                value = fn.maximum(fn.maximum(p - high, -(p - low)), value)
+                value = fn.maximum(value, fn.maximum(p - high, -(p - low)))
             return value
 
         return cut
