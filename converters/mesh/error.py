@@ -8,6 +8,8 @@ them, to the third order in the size of a triangle.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from reference_tracer.numbers import Interval, OutwardInterval
@@ -108,6 +110,12 @@ def kept(errors: np.ndarray, share: float, triangles: int) -> float:
     """The distance that `share` of the points of all triangles keep; `errors` are those of the worst of them."""
     beyond = int((1 - share) * 5 * triangles)
     return float(np.partition(errors, -1 - beyond)[-1 - beyond]) if beyond < len(errors) else float(errors.min())
+
+
+def largest(errors: Iterable[float | None]) -> float | None:
+    """The error of several meshes together: None, not measurable, if that of one is; 0 of none at all."""
+    errors = list(errors)
+    return None if None in errors else max(errors, default=0.0)
 
 
 def worst(vertices, faces, normals, most: int) -> np.ndarray:

@@ -27,7 +27,8 @@ class Part:
 
     kind: str  # one of SHAPES, or "nothing" where no ray can meet it
     triangles: int
-    error: float  # largest distance between shape and surface, before Mitsuba rounds it to fp32
+    error: float | None  # an upper bound of the distance between a mesh and the surface (of a grid, the largest one
+    # found), before Mitsuba rounds it to fp32; None: not measurable
     clipped: str  # what was cut off, see Mesh
 
 
