@@ -84,6 +84,13 @@ def largest_difference(run: Run) -> float | None:
     return (NUMERICAL if run.facts.get("isosurfaces") else ANALYTICAL) * max(1.0, run.facts.get("brightest", 1.0))
 
 
+def unmeasured(run: Run) -> str:
+    """Why a picture that keeps every limit proves nothing; "" where it does."""
+    if run.facts.get("measured_mesh_error", 0) is None:
+        return "every limit holds, but how far its meshes are from the surfaces is not measurable"
+    return ""
+
+
 def excuses(metrics: dict[str, float | int | None], limit: float) -> list[Gate]:
     """The gates of an oracle's picture."""
     return [_gate("color max not excused", metrics["color max not excused"], limit, "linear",

@@ -19,7 +19,7 @@ from . import effects, metrics, studies
 from .agreement import matrix, records, tightness
 from .attribution.explain import LARGEST, explained
 from .excused import excused
-from .gate import excuses, judge, largest_difference, tolerance_of
+from .gate import excuses, judge, largest_difference, tolerance_of, unmeasured
 from .machine import machine
 from .process import Worker
 from .progress import Progress
@@ -147,6 +147,8 @@ def _compared(scene: Scene, truth: Run, test: Run, store: RunStore) -> Compariso
     else:
         limit = largest_difference(test)
         verdict, reason, gates = judge(measured, tolerance_of(test), excuses(measured, limit) if limit else ())
+        if verdict == "agrees" and (why := unmeasured(test)):
+            verdict, reason = "not compared", why
     return Comparison(**about, verdict=verdict, reason=reason, gates=gates, metrics=measured, worst=worst)
 
 

@@ -21,8 +21,8 @@ from .first_hit import LocalRay, Solid
 from .numbers import Dual, OutwardInterval
 from .placement import rotation_matrix
 from .scene.model import Object
+from .surfaces.outside import widened
 
-BOX_MARGIN = 1e-6  # relative; keeps crossings on the box's own faces, where a sphere touches it, inside
 ROUNDING_OF_TURNS = 2.0**-49  # of a rotation matrix's entries, at most: sine, cosine and axis, a dozen operations
 MOST_UNROLLED = 16  # objects of one family; beyond it the kernel's length costs more than reading a table
 
@@ -68,12 +68,14 @@ class Member:
 
 
 class Family:
-    """The objects of a scene that share one f, as a table; row j holds the numbers of the j-th of them."""
+    """The objects of a scene that share one f and its sign outside of their boxes, as a table; row j holds the numbers of
+    the j-th of them."""
 
     def __init__(self, arrays: Backend, indices: list[int], objects: list[Object], method):
         surface = objects[0].surface
         self.arrays, self.method = arrays, method
-        self.bounded = all(o.surface.box() is not None for o in objects)
+        self.sign_outside = surface.sign_outside
+        self.bounded = self.sign_outside != 0
         self.clustered = self.bounded and len(objects) > MOST_UNROLLED
         if self.clustered:
             order = spatial_order(np.array([o.surface.center for o in objects]))
@@ -102,9 +104,8 @@ class Family:
         if self.rotated:
             row += rotation_matrix(obj.rotation).T.ravel().tolist()
         if self.bounded:
-            low, high = (np.array(corner) for corner in surface.box())
-            margin = BOX_MARGIN * (high - low)
-            row += [*(low - margin), *(high + margin), bounding_ball(low - margin, high + margin)]
+            low, high = widened(surface.box())
+            row += [*low, *high, bounding_ball(np.array(low), np.array(high))]
         if self.flipped:
             row += [-1.0 if surface.inside == "positive" else 1.0]
         return row
@@ -157,7 +158,10 @@ class Family:
         _, regular, _ = self.forms
         intervals = {name: OutwardInterval(value) for name, value in parameters.items()}
         enclosed = lambda x, y, z: regular(x, y, z, **intervals) if sign is None else regular(x, y, z, **intervals) * sign
-        far_inside = arrays.Bool(False) if sign is None else sign < 0
+        if sign is None:
+            far_inside = arrays.Bool(self.sign_outside < 0)
+        else:
+            far_inside = sign > 0 if self.sign_outside < 0 else sign < 0
         forms = {form: signed(form) for form in self.forms}  # one and the same where they are
         solid = Solid(*(forms[form] for form in self.forms), box, far_inside)
         return Member(index, center, rotation, solid, Ball(center, radius) if self.bounded else None, enclosed)

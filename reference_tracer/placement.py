@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .scene.model import Object, Rotation
+if TYPE_CHECKING:  # a scene is checked with what stands here
+    from .scene.model import Object, Rotation
 
 
 def rotation_matrix(rotation: Rotation | None) -> np.ndarray:
@@ -33,3 +35,13 @@ def is_inside(obj: Object, point, literal: bool = False) -> bool:
     with np.errstate(all="ignore"):  # arrays: Python's own floats raise where IEEE arithmetic divides by zero
         value = np.ravel(form(*local[:, np.newaxis]))[0]
     return bool(-np.inf < value < 0)
+
+
+def corners(box) -> np.ndarray:
+    """(8, 3): the corners of the box [low, high]."""
+    return np.array([[box[i][0], box[j][1], box[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+def corners_in_world(obj: Object, box) -> np.ndarray:
+    """(8, 3): the corners, in world space, of a `box` in the object's own frame."""
+    return corners(box) @ rotation_matrix(obj.rotation).T + np.array(obj.surface.center)

@@ -37,7 +37,7 @@ class World:
         groups: dict[tuple, list[int]] = {}
         for index, obj in enumerate(scene.objects):
             own = (obj.first_hit.method, obj.first_hit.step_size or 0) if obj.first_hit else ("", 0)
-            groups.setdefault((obj.surface.family, own, obj.shadow), []).append(index)
+            groups.setdefault((obj.surface.family, obj.surface.sign_outside, own, obj.shadow), []).append(index)
         self.families = [
             Family(arrays, indices, [scene.objects[i] for i in indices],
                    first_hit.choose(method, scene.objects[indices[0]], scene.tracing, arrays))

@@ -7,28 +7,15 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from ..numbers.polynomial import HIGHEST_DEGREE
 from .exact_polynomial import is_definite
 from .formula import FormulaError, Node, degree, evaluator, parametrised, written
 from .formula_parser import LONGEST_FORMULA, VOCABULARY, parse_formula
 from .odd_part import odd_part
-from .surface import Surface, Vector
-
-
-class Bounds(BaseModel):
-    """Two opposite corners of a box, in the surface's own frame."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-    low: Vector
-    high: Vector
-
-    @model_validator(mode="after")
-    def _in_order(self):
-        if any(low >= high for low, high in zip(self.low, self.high)):
-            raise ValueError("every number of low must be smaller than the one of high")
-        return self
+from .outside import outside
+from .surface import Bounds, Surface
 
 
 @dataclass(frozen=True)
@@ -78,7 +65,7 @@ class Expression(Surface):
 
     type: Literal["expression"] = "expression"
     formula: str = Field(max_length=LONGEST_FORMULA, description=f"f(x, y, z), written with {VOCABULARY}")
-    bounds: Bounds | None = Field(None, description="a box that holds the whole surface; without it, it is unbounded")
+    bounds: Bounds | None = Field(None, description="a promise that this box holds the whole surface; without it, it is unbounded")
 
     title: ClassVar[str] = "Expression"
     equation: ClassVar[str] = "f(x, y, z) = 0, as typed"
@@ -136,5 +123,12 @@ class Expression(Surface):
     def bounded_quadric(self):
         return self.box() is not None and self._forms.definite
 
+    def region(self):
+        return self.bounds.corners if self.bounds else None
+
     def box(self):
-        return (self.bounds.low, self.bounds.high) if self.bounds else None
+        return self.region() if self.sign_outside else None
+
+    @property
+    def sign_outside(self):
+        return outside(self, self.bounds.corners, length=len(self.formula)).sign if self.bounds else 0

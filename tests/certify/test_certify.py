@@ -13,6 +13,7 @@ from reference_tracer.certify import certify
 from reference_tracer.certify.text import told
 from reference_tracer.errors import InputError
 from reference_tracer.camera_rays import camera_wave
+from reference_tracer.surfaces.outside import Outside
 from reference_tracer.world import World
 
 
@@ -125,9 +126,10 @@ def test_a_proof_that_claims_too_much_is_contradicted(monkeypatch):
     assert any(fault == "proof contradicted" for fault, _, _ in _faults(certificate))
 
 
-def test_a_box_that_cuts_its_surface_is_found():
-    """The proofs believe a formula's box; python-flint does not look at it."""
+def test_a_box_that_cuts_its_surface_is_found(monkeypatch):
+    """The proofs believe a formula's box, which is checked when a scene is read; python-flint does not look at it."""
     box = {"low": [-0.5, -1.1, -1.1], "high": [0.5, 1.1, 1.1]}
+    monkeypatch.setattr("reference_tracer.surfaces.expression.outside", lambda *_, **__: Outside(1))
     scene = make_scene(thing("expression", (0, 0, 3), {}, "cut ball", formula="x**2 + y**2 + z**2 - 1", bounds=box))
     certificate = certify(scene, sample=400, paths=0)
     assert ("proof contradicted", "primary", "cut ball") in _faults(certificate)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from comparisons import metrics
-from comparisons.gate import MESH, NATIVE, judge
+from comparisons.gate import MESH, NATIVE, judge, unmeasured
 from comparisons.metrics import GRAZING
+from comparisons.results import Run
 
 SIDE = 64
 
@@ -120,3 +121,10 @@ def test_normals_are_compared_by_angle(planes):
     measured = metrics.geometry(planes, changed(planes, normal=planes["normal"] @ turn.T))
     # a turn by 1 degree moves normals by at most 1 degree, by exactly that where they are square to the axis
     assert measured["normal max degrees"] == pytest.approx(1.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("facts, proves", [({}, True), ({"measured_mesh_error": 0.0}, True), ({"measured_mesh_error": 1e-4}, True),
+                                           ({"measured_mesh_error": None}, False)])
+def test_a_mesh_of_unknown_error_proves_nothing(facts, proves):
+    run = Run(key="", scene="ball", renderer="embree", title="Embree", state="ok", facts=facts, command="")
+    assert (unmeasured(run) == "") == proves
