@@ -154,7 +154,7 @@ def _tell_reasons(report: _Report, census: Census, proofs: World) -> None:
     if not census.unproven:
         return
     rows = np.concatenate(census.unproven)
-    for row, (reason, index) in zip(rows, reasons(proofs, rows)):
+    for row, (reason, index) in zip(rows, reasons(proofs, rows, report.blame)):
         if reason == SETTLED:
             total = census.kinds[KINDS[row["kind"]]]
             total.settled, total.undecided = total.settled + 1, total.undecided - 1
