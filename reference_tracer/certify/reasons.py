@@ -9,7 +9,7 @@ from ..numbers.exact import rational
 from ..surfaces.surface import Surface
 from ..world import World
 from .audit import Blame, audited_fault
-from .line import Line, exact_form, ray_polynomial
+from .line import Line, ray_polynomial
 from .objects import crossings_of, local_rays
 from .origins import starts_along
 from .records import NOTHING, SHADOW, unenclosed
@@ -72,6 +72,6 @@ def why(surface: Surface, o, d, line: Line, limit: float) -> str:
     gaps = [b - a for a, b in zip(line.crossings, line.crossings[1:])]
     if any(gap < CLOSE for gap in gaps):
         return "two crossings closer than 1e-6"
-    if exact_form(surface) is not None and near_misses(ray_polynomial(surface, o, d).p, rational(limit)):
+    if surface.exact_form is not None and near_misses(ray_polynomial(surface, o, d).p, rational(limit)):
         return "passes within rounding of touching"
     return "rounding hides the sign of f"
