@@ -86,7 +86,7 @@ def whole_power(base, n: int):
 def power(base, exponent):
     """base ** exponent for a real `exponent`, for any number types; not for whole exponents, which `**` takes.
 
-    Defined for base >= 0 (NaN, for intervals the whole line, below): 0 for base 0 and exponent > 0, infinite for exponent < 0.
+    Defined for base >= 0 (NaN below): 0 for base 0 and exponent > 0, infinite for exponent < 0.
     """
     method = getattr(base, "power", None)
     if method is not None:
