@@ -87,7 +87,7 @@ def _log(a: arb) -> arb:
 
 
 CASES = [
-    Case("-a", lambda a: -a, lambda a: -a, lambda a: arb(-1), lambda a: arb(0)),
+    Case("negated", lambda a: -a, lambda a: -a, lambda a: arb(-1), lambda a: arb(0)),
     Case("a + b", lambda a, b: a + b, lambda a, b: a + b, lambda a, b: arb(1.5), lambda a, b: arb(0), arity=2),
     Case("a - b", lambda a, b: a - b, lambda a, b: a - b, lambda a, b: arb(0.5), lambda a, b: arb(0), arity=2),
     Case("a b", lambda a, b: a * b, lambda a, b: a * b, lambda a, b: b + a / 2, lambda a, b: arb(1), arity=2),
@@ -122,7 +122,8 @@ def _numbers(random: np.random.Generator, n: int, reach: float) -> np.ndarray:
     kind = random.random(n)
     size = np.select([kind < 0.36, kind < 0.44, kind < 0.54, kind < 0.64, kind < 0.68],
                      [random.uniform(-4, min(4, reach), n), random.uniform(min(4, reach), min(17, reach), n),
-                      random.uniform(min(17, reach), reach, n), random.uniform(-308, -4, n), random.uniform(-323.5, -308, n)])
+                      random.uniform(min(17, reach), reach, n), random.uniform(-308, -4, n),
+                      random.uniform(-323.5, -308, n)])
     with np.errstate(all="ignore"):
         x = 10.0**size
     whole = random.integers(0, 1 << random.integers(1, 31, n))
@@ -351,9 +352,11 @@ def float_errors(name: str, count: int, on_drjit: bool, seed: int = 2) -> tuple[
 
 
 def main(arguments=None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m reference_tracer.numbers.enclosures", description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(prog="python -m reference_tracer.numbers.enclosures",
+                                     description="Holds every number type against python-flint on random arguments.")
     parser.add_argument("--count", type=int, default=1_000_000, help="arguments of each function (default: %(default)s)")
-    parser.add_argument("--only", nargs="+", metavar="FUNCTION", choices=[c.name for c in CASES], help="these functions only")
+    parser.add_argument("--only", nargs="+", metavar="FUNCTION", choices=[c.name for c in CASES],
+                        help="these functions only: " + ", ".join(c.name for c in CASES))
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args(arguments)
     if options.count < POINTS:

@@ -103,9 +103,10 @@ def power(base, exponent):
 
 def eighths(exponent) -> tuple[int, int] | None:
     """(n, k) with |exponent| = n + k/8 for a Python number of that form: its powers need square roots and products only."""
-    if not isinstance(exponent, (int, float)) or not abs(exponent) <= LARGEST_SHORT_EXPONENT or exponent * 8 != int(exponent * 8):
+    if not isinstance(exponent, (int, float)) or not abs(exponent) <= LARGEST_SHORT_EXPONENT:
         return None
-    return divmod(int(abs(exponent) * 8), 8)
+    n, rest = divmod(8 * abs(exponent), 8)
+    return (int(n), int(rest)) if rest == int(rest) else None
 
 
 def _power_on_drjit(base, exponent):

@@ -5,7 +5,7 @@
 Bounds may be floats, NumPy or Dr.Jit arrays.
 
 Where a pole lies in the interval the result is the whole line, [-inf, inf]. Where an operation is undefined somewhere (a
-square root below zero) both bounds are NaN. A bound that is NaN bounds nothing: comparisons with it are false, so that nothing
+square root below zero) both bounds are NaN. A bound that is NaN bounds nothing: comparisons with it are false, so nothing
 is concluded, and every operation hands it on, also those whose values are bounded (a cosine, the smaller of two): f is not
 known to exist there (M7). inf - inf and 0 inf make such bounds, too, where numbers overflow. In `Interval` a lower bound of
 +inf or an upper one of -inf is one beyond the largest float.
@@ -33,9 +33,11 @@ _LARGEST = np.finfo(np.float64).max.item()
 
 # Units in the last place by which a function of floats may be wrong; at least twice what the command above finds.
 ULPS = {"sqrt": 1, "cbrt": 4, "exp": 4, "log": 4}
-WAVE_ERROR = 4e-16  # of sine and cosine up to LARGEST_ANGLE, absolute: near their zeros Dr.Jit's relative error is large
-# The multiple of pi next to x is found from x / pi, wrong by |x| 2**-53 times 3 (shift, product, 1 / pi as a float) and
-# by the shift's own rounding, below 2**-53 times 2.
+# Of sine and cosine up to LARGEST_ANGLE, absolute, since near their zeros Dr.Jit's relative error is large; 2**-53 of it
+# covers the rounding of the bound that is moved by it.
+WAVE_ERROR = 4e-16
+# Which multiple of a period is next to x follows from (x - shift) / period: wrong by |x| 2**-53 times 4 (two differences,
+# the product, 1 / period as a float) and by the shift's own rounding, below 2**-53 times 2.
 ANGLE_ERROR = 6e-16
 STEEPEST = 2.0**20  # |tan| above which WAVE_ERROR (1 + |tan|) is no longer small
 
@@ -117,7 +119,8 @@ class Interval:
 
     def hull(self, other):
         other = self.of(other)
-        return type(self)(_low(self.low, other.low), _high(self.high, other.high), _both(self.nonnegative, other.nonnegative))
+        return type(self)(_low(self.low, other.low), _high(self.high, other.high),
+                          _both(self.nonnegative, other.nonnegative))
 
     # --- ring ------------------------------------------------------------------------------------------------------
     def __neg__(self):
@@ -275,7 +278,8 @@ class Interval:
 
     def maximum(self, other):
         other = self.of(other)
-        return type(self)(_high(self.low, other.low), _high(self.high, other.high), _either(self.nonnegative, other.nonnegative))
+        return type(self)(_high(self.low, other.low), _high(self.high, other.high),
+                          _either(self.nonnegative, other.nonnegative))
 
     def where_larger(self, a, b, if_a, if_b):
         """`if_a` where all of a lies above b, `if_b` where below, the hull of both where they overlap."""
