@@ -87,7 +87,7 @@ def _log(a: arb) -> arb:
 
 
 CASES = [
-    Case("-a", lambda a: -a, lambda a: -a, lambda a: arb(-1), lambda a: arb(0)),
+    Case("negated", lambda a: -a, lambda a: -a, lambda a: arb(-1), lambda a: arb(0)),
     Case("a + b", lambda a, b: a + b, lambda a, b: a + b, lambda a, b: arb(1.5), lambda a, b: arb(0), arity=2),
     Case("a - b", lambda a, b: a - b, lambda a, b: a - b, lambda a, b: arb(0.5), lambda a, b: arb(0), arity=2),
     Case("a b", lambda a, b: a * b, lambda a, b: a * b, lambda a, b: b + a / 2, lambda a, b: arb(1), arity=2),
@@ -122,7 +122,8 @@ def _numbers(random: np.random.Generator, n: int, reach: float) -> np.ndarray:
     kind = random.random(n)
     size = np.select([kind < 0.36, kind < 0.44, kind < 0.54, kind < 0.64, kind < 0.68],
                      [random.uniform(-4, min(4, reach), n), random.uniform(min(4, reach), min(17, reach), n),
-                      random.uniform(min(17, reach), reach, n), random.uniform(-308, -4, n), random.uniform(-323.5, -308, n)])
+                      random.uniform(min(17, reach), reach, n), random.uniform(-308, -4, n),
+                      random.uniform(-323.5, -308, n)])
     with np.errstate(all="ignore"):
         x = 10.0**size
     whole = random.integers(0, 1 << random.integers(1, 31, n))
@@ -163,21 +164,21 @@ def _points(random: np.random.Generator, low: np.ndarray, high: np.ndarray) -> n
 class Truth:
     """Values known as the float next to each and what is missing from it; NaN where there is none."""
 
+    exact: list  # arb, or None
     nearest: np.ndarray
     rest: np.ndarray
     skipped: np.ndarray  # nothing is asked here: one of two slopes at a kink
 
     @classmethod
     def of(cls, function: Callable, arguments: tuple[list, ...]) -> Truth:
-        nearest, rest, skipped = [], [], []
-        for point in zip(*arguments):
-            value = function(*point)
+        exact, nearest, rest, skipped = [function(*point) for point in zip(*arguments)], [], [], []
+        for value in exact:
             skipped.append(value is None)
             known = value is not None and value.is_finite()
             near = float(value) if known else math.nan
             nearest.append(near)
             rest.append(float(value - near) if math.isfinite(near) else 0.0)
-        return cls(np.array(nearest), np.array(rest), np.array(skipped))
+        return cls(exact, np.array(nearest), np.array(rest), np.array(skipped))
 
     @property
     def floor(self):
@@ -283,7 +284,7 @@ def check(case: Case, count: int, seed: int = 1, kinds=KINDS, series: bool = Tru
             found.append(_result(case, kind.name + ", slope", slope.outside(*slopes, undefined_is_open=False),
                                  _width(*slopes, slope, thin), points))
     if series:
-        found.append(_check_series(case, bounds, balls, points))
+        found.append(_check_series(case, bounds, balls, points, value, slope))
     return found
 
 
@@ -299,21 +300,24 @@ def _granted(case: Case, bound, direction: int):
     return np.where(bound == -direction * math.inf, math.nan, bound + direction * error)
 
 
-def _check_series(case: Case, bounds, balls, points) -> Result:
+def _check_series(case: Case, bounds, balls, points, value: Truth, slope: Truth) -> Result:
     """The same for `Series`: value, first and second derivative over the ball of every interval."""
     outside, width = np.zeros(len(points[0]), bool), np.full(len(points[0]), math.nan)
-    truths = [case.true, case.slope, case.curvature]
+    curvature = None if case.curvature is None else [case.curvature(*point) for point in zip(*balls)]
     for i, ends in enumerate(zip(*(np.stack(b, axis=-1).tolist() for b in bounds))):
         if not all(math.isfinite(v) for pair in ends for v in pair):
             continue
-        arguments = [Series(arb_series([arb(low).union(arb(high)) if low < high else arb(low), arb(slope)]), low >= 0)
-                     for (low, high), slope in zip(ends, SLOPES)]
+        arguments = [Series(arb_series([arb(low).union(arb(high)) if low < high else arb(low), arb(along)]), low >= 0)
+                     for (low, high), along in zip(ends, SLOPES)]
         result = case.phi(*arguments)
         s = (result.s if isinstance(result, Series) else Series.constant(result).s)
         found = [s[0], s[1], 2 * s[2]]
+        thin = all(low == high for low, high in ends)
         for k in range(i * POINTS, (i + 1) * POINTS):
-            for ball, true in zip(found, truths):
-                expected = None if true is None else true(*(b[k] for b in balls))
+            if thin and value.nearest[k]:
+                width[k] = 2 * float(s[0].rad()) / np.spacing(abs(value.nearest[k]))
+            for ball, exact in zip(found, (value.exact, slope.exact, curvature)):
+                expected = exact and exact[k]
                 if expected is not None and abs(expected) not in (BEYOND, NEXT_TO_ZERO):
                     # where there is no value, none may be claimed; else the ball must meet the true one
                     outside[k] |= ball.is_finite() and not (expected.is_finite() and ball.overlaps(expected))
@@ -348,9 +352,11 @@ def float_errors(name: str, count: int, on_drjit: bool, seed: int = 2) -> tuple[
 
 
 def main(arguments=None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m reference_tracer.numbers.enclosures", description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(prog="python -m reference_tracer.numbers.enclosures",
+                                     description="Holds every number type against python-flint on random arguments.")
     parser.add_argument("--count", type=int, default=1_000_000, help="arguments of each function (default: %(default)s)")
-    parser.add_argument("--only", nargs="+", metavar="FUNCTION", choices=[c.name for c in CASES], help="these functions only")
+    parser.add_argument("--only", nargs="+", metavar="FUNCTION", choices=[c.name for c in CASES],
+                        help="these functions only: " + ", ".join(c.name for c in CASES))
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args(arguments)
     if options.count < POINTS:

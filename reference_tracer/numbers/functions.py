@@ -87,7 +87,7 @@ def whole_power(base, n: int):
 def power(base, exponent):
     """base ** exponent for a real `exponent`, for any number types; not for whole exponents, which `**` takes.
 
-    Defined for base >= 0 (NaN, for intervals the whole line, below): 0 for base 0 and exponent > 0, infinite for exponent < 0.
+    Defined for base >= 0 (NaN below): 0 for base 0 and exponent > 0, infinite for exponent < 0.
     """
     method = getattr(base, "power", None)
     if method is not None:
@@ -104,9 +104,10 @@ def power(base, exponent):
 
 def eighths(exponent) -> tuple[int, int] | None:
     """(n, k) with |exponent| = n + k/8 for a Python number of that form: its powers need square roots and products only."""
-    if not isinstance(exponent, (int, float)) or not abs(exponent) <= LARGEST_SHORT_EXPONENT or exponent * 8 != int(exponent * 8):
+    if not isinstance(exponent, (int, float)) or not abs(exponent) <= LARGEST_SHORT_EXPONENT:
         return None
-    return divmod(int(abs(exponent) * 8), 8)
+    n, rest = divmod(8 * abs(exponent), 8)
+    return (int(n), int(rest)) if rest == int(rest) else None
 
 
 def _power_on_drjit(base, exponent):

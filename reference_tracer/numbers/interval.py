@@ -2,12 +2,13 @@
 
 `Interval` rounds to nearest: an enclosure up to rounding, which is enough to miss no root in practice and costs least.
 `OutwardInterval` widens every result by the units in the last place it may be wrong by: an enclosure that holds as a proof.
-Bounds may be floats, NumPy or Dr.Jit arrays. Where an operation is undefined somewhere in the interval (a pole, a
-square root below zero) the result is the whole line, from which nothing is ever concluded.
+Bounds may be floats, NumPy or Dr.Jit arrays.
 
-A bound that is NaN bounds nothing: that side is open, as with an infinite bound. inf - inf and 0 inf make such bounds where
-numbers overflow; comparisons with them are false, and every operation hands them on or answers with the whole line. So does
-a lower bound of +inf or an upper one of -inf, in `Interval` only: there the true bound is beyond the largest float.
+Where a pole lies in the interval the result is the whole line, [-inf, inf]. Where an operation is undefined somewhere (a
+square root below zero) both bounds are NaN. A bound that is NaN bounds nothing: comparisons with it are false, so nothing
+is concluded, and every operation hands it on, also those whose values are bounded (a cosine, the smaller of two): f is not
+known to exist there (M7). inf - inf and 0 inf make such bounds, too, where numbers overflow. In `Interval` a lower bound of
++inf or an upper one of -inf is one beyond the largest float.
 
 Subnormal numbers: Dr.Jit's threads read and write them as zero. Results that underflow are covered; subnormal bounds that
 enter from outside, in arrays, count as what the threads read.
@@ -32,9 +33,11 @@ _LARGEST = np.finfo(np.float64).max.item()
 
 # Units in the last place by which a function of floats may be wrong; at least twice what the command above finds.
 ULPS = {"sqrt": 1, "cbrt": 4, "exp": 4, "log": 4}
-WAVE_ERROR = 4e-16  # of sine and cosine up to LARGEST_ANGLE, absolute: near their zeros Dr.Jit's relative error is large
-# The multiple of pi next to x is found from x / pi, wrong by |x| 2**-53 times 3 (shift, product, 1 / pi as a float) and
-# by the shift's own rounding, below 2**-53 times 2.
+# Of sine and cosine up to LARGEST_ANGLE, absolute, since near their zeros Dr.Jit's relative error is large; 2**-53 of it
+# covers the rounding of the bound that is moved by it.
+WAVE_ERROR = 4e-16
+# Which multiple of a period is next to x follows from (x - shift) / period: wrong by |x| 2**-53 times 4 (two differences,
+# the product, 1 / period as a float) and by the shift's own rounding, below 2**-53 times 2.
 ANGLE_ERROR = 6e-16
 STEEPEST = 2.0**20  # |tan| above which WAVE_ERROR (1 + |tan|) is no longer small
 
@@ -116,7 +119,8 @@ class Interval:
 
     def hull(self, other):
         other = self.of(other)
-        return type(self)(_low(self.low, other.low), _high(self.high, other.high), _both(self.nonnegative, other.nonnegative))
+        return type(self)(_low(self.low, other.low), _high(self.high, other.high),
+                          _both(self.nonnegative, other.nonnegative))
 
     # --- ring ------------------------------------------------------------------------------------------------------
     def __neg__(self):
@@ -160,7 +164,8 @@ class Interval:
         quotients = [fn.quotient(a, b) for b in (other.low, other.high) for a in (self.low, self.high)]
         safe = other.excludes_zero()
         quotient = self.rounded(_low(*quotients), _high(*quotients))
-        return self._where(safe, quotient, _both(self.nonnegative, other.nonnegative))
+        anything = fn.select((self.low <= self.high) & (other.low <= other.high), math.inf, math.nan)
+        return self._where(safe, quotient, anything, _both(self.nonnegative, other.nonnegative))
 
     def __rtruediv__(self, other):
         return self.of(other) / self
@@ -180,21 +185,22 @@ class Interval:
 
     # --- elementary functions --------------------------------------------------------------------------------------
     @classmethod
-    def _where(cls, defined, result, nonnegative=False):
-        """`result` where `defined` holds, the whole line elsewhere."""
-        return cls(fn.select(defined, result.low, -math.inf), fn.select(defined, result.high, math.inf), nonnegative)
+    def _where(cls, holds, result, other=math.nan, nonnegative=False):
+        """`result` where `holds`, elsewhere [-other, other]."""
+        return cls(fn.select(holds, result.low, -other), fn.select(holds, result.high, other), nonnegative)
 
     def _increasing(self, function, ulps, nonnegative=False):
         self = self._finite_inside()
         return self.rounded(function(self.low), function(self.high), ulps, nonnegative)
 
     def _above_zero(self, of_nonnegative, nonnegative=False):
-        """`of_nonnegative` of the part above zero; the whole line where there may be another part."""
+        """`of_nonnegative` of the part above zero, undefined where there may be another part."""
         part = type(self)(fn.select(self.low >= 0, self.low, 0.0), fn.maximum(self.high, 0.0), True)._finite_inside()
         result = of_nonnegative(part)
         if self.nonnegative is True:
             return result
-        return self._where(_either(self.nonnegative, self.low >= 0), result, nonnegative)
+        defined = _either(self.nonnegative, self.low >= 0)
+        return self._where(defined, result, nonnegative=_both(nonnegative, defined))
 
     def sqrt(self):
         return self._above_zero(lambda part: part.rounded(fn.sqrt(part.low), fn.sqrt(part.high), ULPS["sqrt"])
@@ -210,7 +216,7 @@ class Interval:
         return self._above_zero(lambda part: part.rounded(fn.log(part.low), fn.log(part.high), ULPS["log"]))
 
     def power(self, exponent):
-        """Monotone in a base >= 0; the whole line where the base may be negative."""
+        """Monotone in a base >= 0; undefined where the base may be negative."""
         return self._above_zero(lambda part: part._power(exponent)._not_negative(), True)
 
     def _power(self, exponent):
@@ -247,8 +253,9 @@ class Interval:
         known = reach <= fn.LARGEST_ANGLE
         falls_to, rises_to = fn.maximum(_low(a, b) - WAVE_ERROR, -1.0), fn.minimum(_high(a, b) + WAVE_ERROR, 1.0)
         valley, peak = self._holds(top + _PI, 2 * _PI, reach), self._holds(top, 2 * _PI, reach)
-        return type(self)(fn.select(known, fn.select(valley, -1.0, falls_to), -1.0),
-                          fn.select(known, fn.select(peak, 1.0, rises_to), 1.0))
+        most = fn.select(reach <= math.inf, 1.0, math.nan)
+        return type(self)(fn.select(known, fn.select(valley, -1.0, falls_to), -most),
+                          fn.select(known, fn.select(peak, 1.0, rises_to), most))
 
     def tan(self):
         """Increasing between its poles. Sine and cosine wrong by e make it wrong by e (1 + |tan|) / |cos| to first order,
@@ -259,7 +266,8 @@ class Interval:
         error = 2 * WAVE_ERROR * (1 + steepest) * (1 + steepest)
         pole = self._holds(0.5 * _PI, _PI, reach)
         known = (reach <= fn.LARGEST_ANGLE) & (steepest <= STEEPEST)
-        return self._where(fn.select(pole, False, known), self.rounded(a - error, b + error))
+        return self._where(fn.select(pole, False, known), self.rounded(a - error, b + error),
+                           fn.select(reach <= math.inf, math.inf, math.nan))
 
     def absolute(self):
         return type(self)(_high(self.low, -self.high, 0.0), _high(self.high, -self.low), True)
@@ -270,7 +278,8 @@ class Interval:
 
     def maximum(self, other):
         other = self.of(other)
-        return type(self)(_high(self.low, other.low), _high(self.high, other.high), _either(self.nonnegative, other.nonnegative))
+        return type(self)(_high(self.low, other.low), _high(self.high, other.high),
+                          _either(self.nonnegative, other.nonnegative))
 
     def where_larger(self, a, b, if_a, if_b):
         """`if_a` where all of a lies above b, `if_b` where below, the hull of both where they overlap."""
@@ -307,7 +316,7 @@ class OutwardInterval(Interval):
         return super().of(number)
 
     def _not_negative(self):
-        return type(self)(fn.select(self.low >= 0, self.low, 0.0 * self.low), self.high, True)
+        return type(self)(fn.select(self.low < 0, 0.0, self.low), self.high, True)
 
     def _finite_inside(self):
         return self

@@ -157,10 +157,19 @@ UNDEFINED = {
 @pytest.mark.parametrize("name", UNDEFINED)
 @pytest.mark.filterwarnings("ignore:divide by zero")
 def test_where_an_operation_is_undefined_nothing_is_concluded(name, kind):
-    """A pole, a root or a logarithm of a negative number lies inside: the answer is the whole line."""
+    """A pole inside: the answer is the whole line. A root or a logarithm of a negative number: it is NaN, also of a function
+    whose values are bounded."""
     phi, low, high = UNDEFINED[name]
-    low, high = enclose(phi, Interval, kind, (np.full(COUNT, low), np.full(COUNT, high)))
-    assert np.all(low == -math.inf) and np.all(high == math.inf)
+    bounds = np.full(COUNT, low), np.full(COUNT, high)
+    for number in (Interval, OutwardInterval):
+        low, high = enclose(phi, number, kind, bounds)
+        if any(function in name for function in ("sqrt", "log", ".")):
+            for bounded in (fn.cos, fn.sin, lambda a: 1 / (1 + fn.exp(a)), lambda a: fn.minimum(a, 1.0), lambda a: 1 / a,
+                            lambda a: 1 / (a - a), fn.tan, lambda a: a**2, lambda a: fn.power(a**2, 0.5), fn.absolute):
+                low, high = enclose(lambda a: bounded(phi(a)), number, kind, bounds)
+                assert np.all(np.isnan(low) | np.isnan(high))
+        else:
+            assert np.all(low == -math.inf) and np.all(high == math.inf)
 
 
 TIGHT = {
