@@ -18,7 +18,7 @@ WIDEST = 40  # doublings of a unit in the last place: how far behind a hit signs
 
 
 class Margin:
-    """Around a distance, the distances whose order rounding may have changed: far more than it does.
+    """Behind a distance, the distances whose order rounding may have changed: far more than it does.
 
     The crossing of a simple root is computed to rounding, relative to the coordinates' size, divided by the sine of the
     angle between ray and surface; of a root of multiplicity m, to its m-th root. The cube root of rounding covers
@@ -30,10 +30,8 @@ class Margin:
         self.least = self.share * (1 + dr.max(dr.abs(ray.o)))
 
     def end(self, t):
+        """The distance up to which another may tie with t."""
         return dr.fma(t, 1 + self.share, self.least)
-
-    def start(self, t):
-        return dr.fma(t, 1 - self.share, -self.least)
 
 
 def first_of_tied(families: list[Family], ray: Ray, hit: Hit, close):

@@ -181,33 +181,37 @@ class World:
         usable = dr.isfinite(dr.squared_norm(ray.d))
         hit = Hit(t=Float(math.inf), order=dr.select(usable, self.max_distance, 0),
                   index=UInt(self.object_count), undecided=~usable)
-        margin, close = (Margin(ray), self.arrays.Bool(False)) if self.vouching else (None, None)
+        state = hit.t, hit.order, hit.index, hit.undecided
+        if not self.vouching:
+            for family in self.families:
+                state = self._nearest_of(family, ray, state)
+            return Hit(*state)
+        margin, state = Margin(ray), (*state, Float(math.inf))
         for family in self.families:
-            hit, close = self._nearest_of(family, ray, hit, margin, close)
-        if self.vouching:
-            hit.index, hit.undecided = first_of_tied(self.vouching, ray, hit, close)
+            state = self._nearest_of(family, ray, state, margin)
+        hit, second = Hit(*state[:4]), state[4]
+        close = (hit.index < self.object_count) & (second <= margin.end(hit.order))
+        hit.index, hit.undecided = first_of_tied(self.vouching, ray, hit, close)
         return hit
 
-    def _nearest_of(self, family: Family, ray: Ray, hit: Hit, margin: Margin | None, close):
-        """The nearer of `hit` and the first crossing with the family's objects, and where another is `close` to it."""
-        told = margin if family.method.vouches else None  # the literal method knows no margin (M4)
+    def _nearest_of(self, family: Family, ray: Ray, state: tuple, margin: Margin | None = None) -> tuple:
+        """The nearer of the hit `state` and the first crossing with the family's objects; with it, where there is a
+        `margin`, the second smallest order."""
+        looks_beyond = margin is not None and family.method.vouches  # the literal method's limit is a sample of its own
 
-        def step(member: Member, t, order, index, undecided, *close):
-            limit = order if told is None else told.end(order)
+        def step(member: Member, t, order, index, undecided, *second):
+            limit = margin.end(order) if looks_beyond else order
             c = family.method.first(member.solid, member.local(ray.o, ray.d), ray.sides.test(member.index), limit)
             earlier = (c.t < t) | ((c.t == t) & (member.index < index))
             closer = c.found & ((c.order < order) | ((c.order == order) & earlier))
-            if told is not None:
-                near = c.found & (c.order > told.start(order))
-                close = (dr.select(closer & ~near, False, close[0] | near),)
+            if second:
+                larger = dr.maximum(order, dr.select(c.found, c.order, dr.inf))
+                second = (dr.minimum(second[0], larger),)
             return (dr.select(closer, c.t, t), dr.select(closer, c.order, order),
-                    dr.select(closer, member.index, index), undecided | c.undecided, *close)
+                    dr.select(closer, member.index, index), undecided | c.undecided, *second)
 
         # the ray from within a solid starts within its ball: none is left out
-        state = hit.t, hit.order, hit.index, hit.undecided, *([] if close is None else [close])
-        *found, close = (*family.fold(step, state, lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order)),
-                         *([None] if close is None else []))
-        return Hit(*found), close
+        return family.fold(step, state, lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order))
 
     def normal(self, point, index, active):
         """grad f at `point` of object `index`, normalised; not yet turned against the ray.

@@ -132,7 +132,7 @@ MUTANTS = {
     "M4 everything near is undecided": Mutant(
         "(tied > 1)", "(tied > 0)", ties.test_M4_what_is_decided_of_near_ties_is_right, ("spheres", 1e-12)),
     "M4 nobody looks beyond the nearest": Mutant(
-        "dr.fma(t, 1 + self.share, self.least)", "t",
+        "limit = margin.end(order) if looks_beyond else order", "limit = order",
         ties.test_M4_the_order_of_the_scene_counts_and_not_that_of_families_or_clusters,
         ("interval", ("formula", "sphere"))),
     "M5 rays of twice the length": Mutant(

@@ -16,6 +16,7 @@ from reference_tracer.render import HIT, UNDECIDED, render
 
 VOUCHING = [method for method in METHODS if method != "paper"]
 LIGHTS = [((2, 3, -1), (1, 1, 1))]
+FORWARD = (0, 0, 1)
 RED, GREEN = {"color": [1, 0, 0]}, {"color": [0, 1, 0]}
 
 BALL = {  # one ball, as objects of different families
@@ -162,3 +163,10 @@ def test_M4_rays_far_from_any_tie_stay_decided():
     """Two balls that overlap: no pixel centre lies on the circle where they meet."""
     picture = render(make_scene(thing("sphere", (-0.5, 0.1, 5), r=1), thing("sphere", (0.5, 0, 5), r=1), size=(64, 48)))
     assert {0, 1} <= set(np.unique(picture.index)) and not np.any(picture.status == UNDECIDED)
+
+
+@pytest.mark.parametrize("method", VOUCHING)
+def test_M4_an_object_just_beyond_the_end_of_a_ray_ties_with_nothing(method):
+    walls = [thing("plane", (0, 0, 30 + 1e-9), a=0, b=0, c=-1), thing("plane", (0, 0, 30 + 2e-9), a=0, b=0, c=-1)]
+    found = shoot(make_scene(*walls), (0, 0, 0), FORWARD, method)
+    assert found.index.tolist() == [-1] and found.undecided.tolist() == [False]
