@@ -16,5 +16,5 @@ from .torus import Torus
 
 KINDS: tuple[type[Surface], ...] = (Plane, Sphere, Ellipsoid, Torus, Paraboloid, Heart, Expression)
 
-__all__ = ["KINDS", "Bounds", "Box", "Clipped", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere", "Surface",
-           "Torus"]
+__all__ = ["KINDS", "Bounds", "Box", "Clipped", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere",
+           "Surface", "Torus"]

@@ -123,8 +123,8 @@ def test_normals_are_compared_by_angle(planes):
     assert measured["normal max degrees"] == pytest.approx(1.0, rel=1e-3)
 
 
-@pytest.mark.parametrize("facts, proves", [({}, True), ({"measured_mesh_error": 0.0}, True), ({"measured_mesh_error": 1e-4}, True),
-                                           ({"measured_mesh_error": None}, False)])
+@pytest.mark.parametrize("facts, proves", [({}, True), ({"measured_mesh_error": 0.0}, True),
+                                           ({"measured_mesh_error": 1e-4}, True), ({"measured_mesh_error": None}, False)])
 def test_a_mesh_of_unknown_error_proves_nothing(facts, proves):
     run = Run(key="", scene="ball", renderer="embree", title="Embree", state="ok", facts=facts, command="")
     assert (unmeasured(run) == "") == proves

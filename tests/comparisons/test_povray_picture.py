@@ -67,8 +67,8 @@ SCENES = {
         thing(Sphere(center=(1.5, 0.2, 5.0), r=0.9, clip=INNER, inside="positive"), TURN, color=(0.2, 0.9, 0.2)),
         thing(Paraboloid(center=(0.0, 2.0, 7.0), a=0.9, b=0.6, clip=CUBE), TURN, color=(0.9, 0.8, 0.2)),
         tracing=Tracing(max_distance=15.0)),
-    "isosurface of clipped glass": scene(DULL, thing(Sphere(center=(0.0, 0.2, 4.0), r=1.0, clip=LOWER), TURN, transparency=0.7,
-                                                     refractive_index=1.3, reflection=0.1)),
+    "isosurface of clipped glass": scene(DULL, thing(Sphere(center=(0.0, 0.2, 4.0), r=1.0, clip=LOWER), TURN,
+                                                     transparency=0.7, refractive_index=1.3, reflection=0.1)),
 }
 
 

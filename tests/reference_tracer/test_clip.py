@@ -48,18 +48,19 @@ def of_paraboloid(o, d):  # x^2 + y^2 < z
     return chord(dot(d[:, :2], d[:, :2]), dot(o[:, :2], d[:, :2]) - d[:, 2] / 2, dot(o[:, :2], o[:, :2]) - o[:, 2])
 
 
+def of_ball(o, d):
+    return chord(dot(d, d), dot(o, d), dot(o, o) - 1)
+
+
 SOLIDS = {  # the surface, its clip box, and the part of a line within the solid without its clip, which is one interval
     "plane": (thing("plane", a=-0.25, b=0, c=1), CUBE, of_plane),
     "paraboloid": (thing("paraboloid", a=1, b=1), {"low": [-2, -2, -1], "high": [2, 2, 1.5]}, of_paraboloid),
-    "sphere": (thing("sphere", r=1), UPPER, lambda o, d: chord(dot(d, d), dot(o, d), dot(o, o) - 1)),
-    "ellipsoid": (thing("ellipsoid", a=1, b=0.5, c=0.8), UPPER, lambda o, d: chord(
-        dot(d / [1, .5, .8], d / [1, .5, .8]), dot(o / [1, .5, .8], d / [1, .5, .8]), dot(o / [1, .5, .8], o / [1, .5, .8]) - 1)),
+    "sphere": (thing("sphere", r=1), UPPER, of_ball),
+    "ellipsoid": (thing("ellipsoid", a=1, b=0.5, c=0.8), UPPER, lambda o, d: of_ball(o / [1, 0.5, 0.8], d / [1, 0.5, 0.8])),
     "formula": (thing("expression", formula="x**2 + y**2 - 0.25"), CUBE,
                 lambda o, d: chord(dot(d[:, :2], d[:, :2]), dot(o[:, :2], d[:, :2]), dot(o[:, :2], o[:, :2]) - 0.25)),
-    "without a degree": (thing("expression", formula="sqrt(x**2 + y**2 + z**2) - 1"), UPPER,
-                         lambda o, d: chord(dot(d, d), dot(o, d), dot(o, o) - 1)),
-    "-f": (thing("expression", formula="1 - x**2 - y**2 - z**2", inside="positive", bounds=CUBE), UPPER,
-           lambda o, d: chord(dot(d, d), dot(o, d), dot(o, o) - 1)),
+    "without a degree": (thing("expression", formula="sqrt(x**2 + y**2 + z**2) - 1"), UPPER, of_ball),
+    "-f": (thing("expression", formula="1 - x**2 - y**2 - z**2", inside="positive", bounds=CUBE), UPPER, of_ball),
     "box alone": (thing("sphere", r=9), CUBE, lambda o, d: (np.full(len(o), -np.inf), np.full(len(o), np.inf)))}
 
 
@@ -129,7 +130,7 @@ def test_paper_equals_the_literal_search():
 
 
 def test_a_clipped_scene_is_certified():
-    scene = make_scene(clipped(thing("paraboloid", (0, 0, 3), a=0.5, b=0.7, rotation=TURN), {"low": [-1, -1, -1], "high": [1, 1, 1]}),
+    scene = make_scene(clipped(thing("paraboloid", (0, 0, 3), a=0.5, b=0.7, rotation=TURN), CUBE),
                        clipped(thing("sphere", (0.5, 0.2, 5), r=1), UPPER), size=(24, 18), lights=[((2, 3, -1), (1, 1, 1))])
     certificate = certify(scene, sample=100, paths=4)
     assert certificate.passed and certificate.undecided_rays < 0.02 * certificate.rays
