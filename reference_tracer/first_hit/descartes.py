@@ -30,10 +30,9 @@ class Descartes(SegmentMethod):
     start; once g has been seen on the ray's own side (`settled`) its sign is that side. A coefficient smaller than its
     own rounding decides nothing; where that never resolves, the ray is undecided.
 
-    At the ray's origin the first coefficient is noise (see IntervalMethod), and the others must tell. All on the own
-    side: g arrives there, and what it may have passed is the surface the ray starts on. All on the other: where g runs
-    away from the own side the ray has left it; where it runs back, the origin is on the wrong side for certain, and the
-    root ahead is skipped.
+    At the ray's origin the first coefficient is noise (see IntervalMethod), and the others must tell: where all are on
+    the own side g arrives there, and what it may have passed is the surface the ray starts on. Anything else decides
+    nothing.
     """
 
     name = "descartes"
@@ -48,7 +47,7 @@ class Descartes(SegmentMethod):
         n, rounding = len(a) - 1, NOISE * dr.epsilon(Float)
         noise = rounding * sum((dr.abs(c) for c in a[1:]), dr.abs(a[0]))
         u, w = dr.zeros(Float, dr.width(scale)), Float(1)
-        side, skips = Bool(inside), Bool(False)
+        side = Bool(inside)
         settled = (start > 0) | dr.select(side, a[0] < -noise, a[0] > noise)
         count, segments = UInt(0), UInt(0)
         undecided, guess = Bool(False), Float(u)
@@ -58,27 +57,22 @@ class Descartes(SegmentMethod):
             b, certain = _bernstein(a, u, w, noise)
             variations, end_inside, split = _sign_variations(b, dr.select(settled, side, b[1] < 0))
             narrow = w <= NARROWEST * math.sqrt(rounding)
-            rise = b[1] - n * b[0]  # w g' at the start
-            away = certain & ~settled & (variations == 0) & (end_inside != side) & (dr.abs(rise) > 2 * n * noise)
-            leaves = away & ((rise < 0) != side)
-            wrong_start = away & ((rise < 0) == side)
             none = certain & (variations == 0) & (settled | (end_inside == side))
-            one = leaves | (certain & (variations == 1) & settled)
-            hit = one | (narrow & ~none & ~wrong_start & (end_inside != side))
-            passed = none | wrong_start | (narrow & ~hit)
-            undecided |= narrow & ~none & ~one & ~wrong_start
-            count += dr.select(hit & ~skips, UInt(1), 0)
+            one = certain & (variations == 1) & settled
+            hit = one | (narrow & ~none & (end_inside != side))
+            passed = none | (narrow & ~hit)
+            undecided |= narrow & ~none & ~one
+            count += dr.select(hit, UInt(1), 0)
             segments += 1
-            stays = hit & ~skips & only_first
+            stays = hit & only_first
             guess = dr.select(stays, u + w * (b[0] / (b[0] - b[n])), guess)
             moves = passed | (hit & ~stays)
-            side ^= (hit & ~stays) | wrong_start
-            skips = (skips & ~hit) | wrong_start
+            side ^= hit & ~stays
             settled |= moves
             u = dr.select(moves, u + w, u)
             w = dr.select(moves, 2 * w, dr.select(stays, w, split * w))
             active = ~stays & (u < 1) & (segments < MOST_SEGMENTS)
-        undecided |= (segments >= MOST_SEGMENTS) | skips
+        undecided |= segments >= MOST_SEGMENTS
         end = dr.minimum(u + w, 1)
         # on the polynomial, a few products each step: f itself, with its roots and quotients, then needs one or two
         at_origin = (start == 0) & (u == 0)
