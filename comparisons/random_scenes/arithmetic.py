@@ -41,6 +41,11 @@ class Formula:
             self.odd_part = ast.BinOp(left=self.odd_part, op=ast.Mult(), right=factor)
 
     @property
+    def is_moderate(self) -> bool:
+        """Whether the numbers in the formula are such that doubles neither overflow nor underflow."""
+        return all(1e-60 < abs(n.value) < 1e60 or n.value == 0 for n in ast.walk(self.tree) if isinstance(n, ast.Constant))
+
+    @property
     def is_polynomial(self) -> bool:
         if self._known is None:
             try:

@@ -114,7 +114,7 @@ class _Draw:
             text = self._multiplied(text, size)
         scale = 1.0
         if self.chance(0.12):
-            scale = self.size_between(1e-6 * 4, 1e5 / 20)
+            scale = self.size_between(1e-6, 3e4)
             self.traits.add("scaled")
             text = _with(text, lambda v: f"({v}/{scale!r})")
         elif self.chance(0.1):
@@ -354,6 +354,16 @@ class _Draw:
         return Shape(f"max(max((x-{a!r})**2+y*y+z*z-{r!r},(x+{a!r})**2+y*y+z*z-{r!r}),"
                      f"max(x*x+(y-{a!r})**2+z*z-{r!r},x*x+(y+{a!r})**2+z*z-{r!r}))", 1.2)
 
+    def root_of_a_difference(self):
+        r = self.between(0.8, 1.2)
+        return Shape(self.random.choice((f"z-sqrt({r * r!r}-x*x-y*y)", f"max(z-sqrt({r * r!r}-x*x-y*y),-z)")), r)
+
+    def log_of_x(self):
+        return Shape(f"log(x+{self.between(0.5, 1)!r})+y*y+z*z-{self.between(0.1, 0.5)!r}", None)
+
+    def power_of_x(self):
+        return Shape(f"(x+{self.between(0.3, 1)!r})**{self.between(0.5, 3)!r}+y*y+z*z-{self.between(0.5, 1)!r}", None)
+
     def own(self):
         """A surface with a type of its own."""
         r = lambda: self.between(0.3, 1.2)
@@ -375,7 +385,8 @@ SOLIDS: dict[str, list[Callable[[_Draw], Shape | dict]]] = {
     "roots": [_Draw.torus, _Draw.distance, _Draw.capsule, _Draw.cubic_roots],
     "exp and log": [_Draw.gaussians, _Draw.logarithm, _Draw.log_of_radius, _Draw.hyperbolic],
     "sines": [_Draw.gyroid, _Draw.bumps, _Draw.waves, _Draw.gyroid_shell],
-    "creases": [_Draw.hemisphere, _Draw.cone, _Draw.octahedron, _Draw.cube, _Draw.union, _Draw.reuleaux]}
+    "creases": [_Draw.hemisphere, _Draw.cone, _Draw.octahedron, _Draw.cube, _Draw.union, _Draw.reuleaux],
+    "not defined everywhere": [_Draw.root_of_a_difference, _Draw.log_of_x, _Draw.power_of_x]}
 
 
 def _with(text: str, write: Callable[[str], str]) -> str:

@@ -54,6 +54,7 @@ class Judge:
 
     def __init__(self, scene: dict, seed: int = 0):
         self.oracle, self.random = Oracle(scene), Random(seed)
+        self.tolerance = 0.0  # of Newton's last step (decision M6), where a method stops there
         brightest = sum(max(light.get("brightness", (1, 1, 1))) for light in scene.get("lights", ()))
         self.brightest = max(brightest, max(scene.get("background", (0,))), 1e-300)
         far = lambda v: max(abs(float(c)) for c in v)
@@ -65,6 +66,29 @@ class Judge:
         found = Judgement()
         for row, column in pixels:
             self._pixel(found, picture, row, column)
+        return found
+
+    def judge_literal(self, picture, pixels: list[tuple[int, int]]) -> Judgement:
+        """A picture by the literal method: hits, distances and normals of single objects, where its steps and Newton's
+        iterations leave no choice."""
+        found = Judgement()
+        self.tolerance = self.oracle.tolerance
+        sharp = len(self.oracle.solids) == 1 and self.oracle.solids[0].formula.is_moderate
+        for row, column in pixels if sharp else ():
+            found.pixels += 1
+            blame = lambda what, text: found.wrong.append(Wrong(row, column, what, text))
+            try:
+                ray = self.oracle.camera_ray(row, column)
+                hit = self.oracle.literal_hit(ray)
+            except Unsettled as reason:
+                found.unsettled[str(reason)] += 1
+                continue
+            index = int(picture.index[row, column])
+            found.hits += hit.index != NOTHING
+            if index != hit.index:
+                blame("hit", f"object {index} in place of {hit.index}")
+            elif index != NOTHING:
+                self._geometry(blame, picture, row, column, ray, hit)
         return found
 
     def _pixel(self, found: Judgement, picture, row: int, column: int) -> None:
@@ -133,7 +157,7 @@ class Judge:
         At a root without a slope, or where rounding hides f far about, the place is right if f is hidden there too.
         """
         unit = rational(EPSILON * (self.reach + float(hit.t)))
-        floor = SPARE * unit
+        floor = SPARE * unit + rational(self.tolerance * max(1.0, float(hit.t)))
         solid = self.oracle.solids[hit.index]
         radius, slope = self._hidden(solid, ray, hit.t.mid().fmpq(), unit)
         if radius is None:

@@ -17,6 +17,7 @@ BITS = 200  # of every number, about 60 digits
 LEFT = fmpq(1, 10**25)  # within this share of a ray's range of its origin lies the surface that it leaves
 APART = fmpq(1, 10**35)  # two distances closer than this share are one
 MOST_PIECES = 3000  # of one ray
+CLEAR = fmpq(1, 10**9)  # of its range, how far crossings have to be from a sample of the literal method
 NARROWEST = fmpq(1, 10**30)  # share of a ray that is not divided further
 UNIT = arb(0, 1)
 NOTHING = -1
@@ -284,6 +285,8 @@ class Oracle:
         self.background = balls(scene.get("background", (0, 0, 0)))
         tracing = scene.get("tracing", {})
         self.limit, self.max_depth = rational(tracing.get("max_distance", 30.0)), tracing.get("max_depth", 8)
+        self.step_size, self.max_iterations = rational(tracing.get("step_size", 0.1)), tracing.get("max_iterations", 20)
+        self.tolerance = tracing.get("tolerance", 1e-12)
         self.camera = camera = scene["camera"]
         self.position = balls(camera.get("position", (0, 0, 0)))
         self.v_dir = unit(balls(camera.get("direction", (0, 0, 1))))
@@ -322,6 +325,37 @@ class Oracle:
         same = [k for other, k in firsts if abs(other - t) < arb(APART) * t]
         gap = float(((firsts[1][0] - t) / t).mid()) if len(firsts) > 1 else float("inf")
         return Hit(min(same), t, tuple(k for k in same if k != min(same)), gap)
+
+    def literal_hit(self, ray: Ray) -> Hit:
+        """What the literal method finds of a scene of one object (sections 4.1 and 4.2): the sign at every step follows
+        from the crossings before it, and Newton starts in the middle of the step. Raises Unsettled where a crossing lies
+        at a sample, or where Newton does not arrive."""
+        crossings = self.solids[0].crossings(ray.o, ray.d, self.limit, ray.inside[0], leaves=False)
+        h, step, passed = self.step_size, 0, 0
+        while passed < len(crossings):
+            step = int((crossings[passed].mid().fmpq() / h).floor()) + 1
+            end = min(step * h, self.limit)
+            within = [t for t in crossings[passed:] if t < arb(end)]
+            for t in crossings:
+                if any(abs(t - arb(end - back)) < arb(CLEAR) * self.limit for back in (0, h)):
+                    raise Unsettled("a crossing where the literal method takes a sample")
+            if len(within) % 2:
+                return Hit(0, self._newton(ray, ((step - 1) * h + end) / 2))
+            passed += len(within)
+        return Hit(NOTHING)
+
+    def _newton(self, ray: Ray, t: fmpq) -> arb:
+        solid = self.solids[0]
+        o, d = solid.into(ray.o), solid.into(ray.d, is_direction=True)
+        for _ in range(self.max_iterations):
+            g = solid.along(o, d, arb(t))
+            dt = g.value / g.slope
+            if not dt.is_finite() or dt.rad() > arb("1e-20"):
+                break
+            t -= rational(dt)
+            if abs(dt) < arb("1e-14") * (1 + abs(t)):
+                return arb(t)
+        raise Unsettled("Newton does not arrive")
 
     def normal_at(self, ray: Ray, hit: Hit) -> Triple:
         """The unit normal against the ray (decision N1): just before the hit, so that powers of f have a gradient too."""

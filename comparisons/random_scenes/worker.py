@@ -33,7 +33,9 @@ def judged(seed: int, method: str) -> dict:
         return {**answer, "fault": f"{type(error).__name__}: {error}"[:300]}
     height, width = picture.index.shape
     pixels = [(row, column) for row in range(height) for column in range(width)]
-    found = Judge(drawn.scene, seed).judge(picture, Random(seed).sample(pixels, min(JUDGED, len(pixels))))
+    judge = Judge(drawn.scene, seed)
+    hold = judge.judge_literal if method == "paper" else judge.judge
+    found = hold(picture, Random(seed).sample(pixels, min(JUDGED, len(pixels))))
     return {**answer,
             "wrong": [f"row {w.row}, column {w.column}: {w.what}: {w.text}" for w in found.wrong],
             "counts": {"pixels": found.pixels, "hits": found.hits, "undecided_hits": found.undecided_hits,
