@@ -96,7 +96,7 @@ class _Draw:
         camera, away = self._camera(surface, self._offset if scale == 1 else (0, 0, 0), size, scale)
         lights = [{"position": self._beside(surface, size, self.random.uniform(2, 6)),
                    "brightness": [self.between(0.2, 1) for _ in range(3)]} for _ in range(self.random.choice((1, 1, 2)))]
-        longest = max(20 * size, 3 * away)
+        longest = min(max(20 * size, 3 * away), 1e6)
         tracing = {"max_distance": longest, "step_size": max(longest / 3000, 1e-6), "max_depth": self.random.choice((1, 1, 2))}
         scene = {"name": f"random-{self.seed}", "camera": camera, "objects": objects, "lights": lights,
                  "background": [self.between(0, 0.5) for _ in range(3)], "tracing": tracing}
