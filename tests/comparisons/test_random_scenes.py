@@ -1,5 +1,6 @@
 """Random scenes: the oracle against closed forms, a fixed part of the scenes, and wrong tracers that must be noticed."""
 
+import json
 import math
 from dataclasses import replace
 
@@ -7,9 +8,10 @@ import drjit as dr
 import pytest
 from flint import arb
 
-from comparisons.random_scenes import grammar, worker
+from comparisons.random_scenes import grammar, suite, worker
 from comparisons.random_scenes.arithmetic import Formula, Taylor, rational
 from comparisons.random_scenes.oracle import NOTHING, NotDefined, Oracle, Unsettled, exactly
+from raytruth.cli import main
 from reference_tracer.families import Member
 from reference_tracer.first_hit import bounded_quadric, segments
 from reference_tracer.rays import Sides
@@ -150,3 +152,37 @@ def test_a_method_that_decides_nothing_has_that_said(monkeypatch):
     monkeypatch.setattr(World, "nearest", lambda self, ray: replace(right(self, ray), undecided=self.arrays.Bool(True)))
     counts = worker.judged(1001, "exact")["counts"]
     assert counts["undecided_hits"] == counts["hits"] > 0 and counts["avoidable_hits"] > 0
+
+
+# --- the command -------------------------------------------------------------------------------------------------------
+def test_the_command_adds_up_and_repeats_failures(monkeypatch, capsys, tmp_path):
+    command = ["certify", "--random", "2", "--seed", "1001", "-o", str(tmp_path / "failures")]
+    assert main([*command, "--json"]) == 0
+    totals = json.loads(capsys.readouterr().out)
+    assert sum(t["scenes"] for t in totals.values()) == 2 and not (tmp_path / "failures").exists()
+    assert sum(t["counts"]["pixels"] for t in totals.values()) == 2 * worker.JUDGED
+
+    monkeypatch.setattr(World, "nearest", farther(World.nearest))
+    here = lambda count, seed, jobs, method: (suite.Answer(**worker.judged(k, method)) for k in range(seed, seed + count))
+    monkeypatch.setattr(suite, "run", here)
+    assert main(command) == 1
+    out = capsys.readouterr().out
+    assert "raytruth certify --random 1 --seed 1001;" in out and "distance: t = " in out
+    assert json.loads((tmp_path / "failures" / "random-1001.json").read_text()) == grammar.draw(1001).scene
+
+
+def test_the_command_refuses_what_it_cannot_do(capsys):
+    for wrong in (["--random", "0"], ["--random", "5", "--jobs", "0"], ["figure-05-sphere", "--random", "5"]):
+        assert main(["certify", *wrong]) == 2
+        assert "--" in capsys.readouterr().err
+
+
+def test_a_scene_that_cannot_be_rendered_is_a_failure(monkeypatch):
+    monkeypatch.setattr(grammar, "draw", lambda seed: grammar.Drawn(seed, "quadrics", {"objects": []}))
+    assert worker.judged(5, "exact")["fault"].startswith("refused: ")
+
+
+@pytest.mark.parametrize("seed", (1001, 1002, 1007, 1019))
+def test_the_literal_method_holds_where_it_has_no_choice(seed):
+    answer = worker.judged(seed, "paper")
+    assert answer["wrong"] == [] and answer["counts"]["hits"] > answer["counts"]["unsettled"]
