@@ -147,11 +147,14 @@ def test_a_wrong_tracer_is_found(monkeypatch, fault):
     assert any(f": {what}: " in text for text in worker.judged(seed, "exact")["wrong"])
 
 
-def test_a_method_that_decides_nothing_has_that_said(monkeypatch):
+def test_a_method_that_decides_nothing_does_not_hold(monkeypatch):
     right = World.nearest
     monkeypatch.setattr(World, "nearest", lambda self, ray: replace(right(self, ray), undecided=self.arrays.Bool(True)))
-    counts = worker.judged(1001, "exact")["counts"]
+    answer = worker.judged(1001, "exact")
+    counts = answer["counts"]
     assert counts["undecided_hits"] == counts["hits"] > 0 and counts["avoidable_hits"] > 0
+    assert not suite.Total.of(suite.Answer(**answer)).holds(answer["kind"])
+    assert suite.Total.of(suite.Answer(**answer)).holds(suite.EXCUSED[0])
 
 
 # --- the command -------------------------------------------------------------------------------------------------------
