@@ -320,3 +320,25 @@ class OutwardInterval(Interval):
 
     def _finite_inside(self):
         return self
+
+
+class DefinedPart(OutwardInterval):
+    """An `OutwardInterval` of the values that f takes where it is defined (a loose evaluation in IEEE 1788's sense).
+
+    Square roots, logarithms and powers are those of the part of their argument in their domain. Where there is none, no
+    number is above `low` and below `high`: low > high, from [inf, -inf] on through sums and extrema.
+    """
+
+    __slots__ = ()
+
+    @classmethod
+    def rounded(cls, low, high, ulps: int = 1, nonnegative=False):
+        moved = super().rounded(low, high, ulps, nonnegative)
+        return cls(fn.select(low == math.inf, math.inf, moved.low), fn.select(high == -math.inf, -math.inf, moved.high),
+                   nonnegative)
+
+    def _above_zero(self, of_nonnegative, nonnegative=False):
+        low = fn.select(self.low >= 0, self.low, 0.0 * self.low)  # NaN where the interval is, or has no lower bound
+        result = of_nonnegative(type(self)(low, fn.maximum(self.high, 0.0), True))
+        nowhere = self.high < 0
+        return type(self)(fn.select(nowhere, math.inf, result.low), fn.select(nowhere, -math.inf, result.high), nonnegative)

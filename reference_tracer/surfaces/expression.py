@@ -132,4 +132,8 @@ class Expression(Surface):
 
     @property
     def sign_outside(self):
-        return outside(self, self.bounds.corners, length=len(self.formula)).sign if self.bounds else 0
+        if not self.bounds:
+            return 0
+        found = outside(self, self.bounds.corners, length=len(self.formula))
+        # where f is not defined the literal method sees "outside" (M7): no box around what is inside
+        return found.sign if found.defined or found.sign == (-1 if self.inside == "positive" else 1) else 0

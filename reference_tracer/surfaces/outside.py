@@ -13,7 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..numbers import Dual, OutwardInterval
+from ..numbers import DefinedPart, Dual, OutwardInterval
 from .surface import LARGEST_COORDINATE, Box, Surface
 
 BOX_MARGIN = 1e-6  # relative; keeps crossings on the box's own faces, where a sphere touches it, inside
@@ -31,7 +31,8 @@ Point = tuple[float, float, float]
 class Outside:
     """What is known of f, as it is written, outside of a box and on its faces."""
 
-    sign: int  # +1 or -1: the sign of f, proven everywhere; 0: not proven
+    sign: int  # +1 or -1: the sign of f, proven wherever it is defined; 0: not proven
+    defined: bool = True  # everywhere, as a proof
     change: tuple[Point, Point] | None = None  # where f > 0 and where f < 0, both outside or on the faces: a proof too
     face: str = ""  # the face on which both points lie, as "x = 0.8"; "" where they lie on none
 
@@ -65,10 +66,11 @@ def _searched(surface: Surface, box: np.ndarray, region: np.ndarray, most: int) 
     cells, faces = _slabs(box, region)
     middle, half = box.mean(axis=0)[:, None], 0.5 * np.ptp(box, axis=0)[:, None]
     seen: dict[int, Point] = {}
-    looked_at, given_up = 0, False
+    looked_at, loose = 0, set()  # the signs of cells where f is defined in part, 0 of those where it is not
     for number in range(MOST_ROUNDS):
         if not cells.shape[-1]:
-            return Outside(0 if given_up else next(iter(seen), 0))
+            sign = next(iter(seen), 0)
+            return Outside(0 if loose - {sign, 0} else sign, not loose)
         looked_at += cells.shape[-1]
         points = _nearest(cells, faces)
         low, high, certain, rising = _enclosed(surface, cells, points, derivatives=number > 0)
@@ -79,9 +81,12 @@ def _searched(surface: Surface, box: np.ndarray, region: np.ndarray, most: int) 
         if len(seen) == 2:
             return Outside(0, (seen[1], seen[-1]))
         left = ~((low > 0) | (high < 0))
+        if number:
+            left[left] = ~_signed_where_defined(surface, cells[..., left], loose)
         if number >= UNDEFINED_ROUNDS:  # no proof any more, but perhaps two signs elsewhere
             defined = np.isfinite(low) & np.isfinite(high)
-            given_up |= bool(np.any(left & ~defined))
+            if np.any(left & ~defined):
+                loose |= {1, -1}
             left &= defined
         if looked_at + 4 * np.count_nonzero(left) > most:
             break
@@ -139,6 +144,21 @@ def _enclosed(surface: Surface, cells, points, derivatives: bool):
         bounds = [np.broadcast_to(v, sign.shape) for v in
                   (np.fmax(np.fmax(f.value.low, least.low), mean.low), np.fmin(np.fmin(f.value.high, most.high), mean.high))]
     return *bounds, sign, rising
+
+
+def _signed_where_defined(surface: Surface, cells: np.ndarray, loose: set[int]) -> np.ndarray:
+    """(n,) whether f has one sign on a cell wherever it is defined there; adds the signs to `loose`."""
+    with np.errstate(all="ignore"):
+        f = DefinedPart.of(surface.regular_form(*map(DefinedPart, *cells), **surface.parameters))
+    signed = np.broadcast_to(f.low > f.high, cells.shape[-1]).copy()  # not defined at all
+    if np.any(signed):
+        loose.add(0)
+    for sign, cells_of_it in ((1, f.low > 0), (-1, f.high < 0)):
+        cells_of_it = cells_of_it & ~signed
+        if np.any(cells_of_it):
+            loose.add(sign)
+            signed |= cells_of_it
+    return signed
 
 
 def _divided(cells, faces, rising, middle, half):

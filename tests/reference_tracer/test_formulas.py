@@ -93,8 +93,8 @@ KINDS = ["3 - x**2*{a} - {b}*y**2 - z**2*4", "min(x**2+y**2+z**2-{a}, max({b}, a
          "1-({b}-x)*({a}-y)*z-2*x**2-2*y**2-z**2", "(x**2+{a}*y**2)**1.25 + z**2*{b} - 0.7"]
 
 
-def members(kind: str, count: int) -> list[dict]:
-    return [thing("expression", (1.6 * (k % 5) - 3.2, 1.6 * (k // 5) - 3.0, 9.0), bounds=BOX,
+def members(kind: str, count: int, **bounds) -> list[dict]:
+    return [thing("expression", (1.6 * (k % 5) - 3.2, 1.6 * (k // 5) - 3.0, 9.0), **bounds,
                   formula=kind.format(a=1 + k / 64, b=0.5 + k / 80)) for k in range(count)]
 
 
@@ -115,7 +115,7 @@ def test_formulas_of_one_family_are_traced_like_each_alone(kind, method):
 @pytest.mark.parametrize("count", [3, 20])
 def test_a_large_family_is_a_loop_and_shows_the_same(count):
     spheres = [thing("sphere", t["surface"]["center"], r=(0.5 + k / 80) ** 0.5) for k, t in enumerate(members("x", count))]
-    balls = members("x**2 + y**2 + z**2 - {b}", count)
+    balls = members("x**2 + y**2 + z**2 - {b}", count, bounds=BOX)
     a, b = (render(make_scene(*things, size=(40, 40))) for things in (spheres, balls))
     np.testing.assert_array_equal(a.index, b.index)
     np.testing.assert_allclose(a.t[a.index >= 0], b.t[a.index >= 0], rtol=1e-14)
@@ -134,7 +134,7 @@ def test_numbers_are_no_part_of_a_family_but_exponents_and_structure_are():
 
 
 def test_what_chooses_a_method_is_the_same_in_a_whole_family():
-    for formula in ("x**2 + y**2 + z**2 - 1", "x**4 + y**2 + z**2 - 1", "exp(x) - y"):
+    for formula in ("x**2 + y**2 + z**2 - 1", "x**4 + y**2 + z**2 - 1", "exp(x**2 + y**2 + z**2) - 2"):
         assert family(formula) != family(formula, bounded=True)
     # a cone, a cylinder and a ball have one structure; a line may cross the first two once
     ball, cylinder, cone = (f"1*x**2 + 1*y**2 + {c}*z**2 - 1" for c in ("1", "0", "(-1)"))
@@ -145,10 +145,12 @@ def test_what_chooses_a_method_is_the_same_in_a_whole_family():
     assert len({family(f.replace("+ y", "+ 1*y")) for f in (quartic, quadric, plane)}) == 3
 
 
-@pytest.mark.parametrize("formula, plain", [
-    ("0*x**2 + y", "y"), ("x**2*0 + z - 0.5", "z - 0.5"), ("x**4 - 1*x**4 + x**2 + y**2 + z**2 - 1", "x**2 + y**2 + z**2 - 1"),
-    ("(z + 1)**2 - z**2 + x", "2*z + 1 + x"), ("0*x**3 + x**2 + y**2 - 1", "x**2 + y**2 - 1"), ("x**2 - 1*x**2 + y", "y")])
-@pytest.mark.parametrize("bounded", [False, True])
+@pytest.mark.parametrize("formula, plain, bounded", [
+    ("0*x**2 + y", "y", False), ("x**2*0 + z - 0.5", "z - 0.5", False),
+    ("x**4 - 1*x**4 + x**2 + y**2 + z**2 - 1", "x**2 + y**2 + z**2 - 1", False),
+    ("(z + 1)**2 - z**2 + x", "2*z + 1 + x", False), ("0*x**3 + x**2 + y**2 - 1", "x**2 + y**2 - 1", False),
+    ("x**2 - 1*x**2 + y", "y", False), ("0*x**4 + x**2 + y**2 + z**2 - 1", "x**2 + y**2 + z**2 - 1", True),
+    ("x**2 + y**2 + z**2 - 1 + z**4*0", "x**2 + y**2 + z**2 - 1", True)])
 def test_a_highest_power_that_cancels_is_none(formula, plain, bounded):
     box = {"bounds": {"low": [-1.5] * 3, "high": [1.5] * 3}} if bounded else {}
     # their relatives whose highest power does not cancel stand far behind, in the same scene
@@ -163,7 +165,7 @@ def test_a_highest_power_that_cancels_is_none(formula, plain, bounded):
 
 def test_a_quadric_that_is_no_ellipsoid_has_rays_that_meet_it_once():
     """Along (3, 0, 4) the cone x^2 + y^2 - (3/4 z)^2 is of degree one."""
-    scene = make_scene(thing("expression", formula="x**2 + y**2 - 0.5625*z**2", bounds={"low": [-50] * 3, "high": [50] * 3}))
+    scene = make_scene(thing("expression", formula="x**2 + y**2 - 0.5625*z**2"))
     found = shoot(scene, (0.5, 0, 0), (3, 0, 4))
     assert found.index[0] == -1 or np.isfinite(found.t[0])
     inward = shoot(scene, (-0.5, 0, -2), (3, 0, 4))
