@@ -285,7 +285,9 @@ class Interval:
         """`if_a` where all of a lies above b, `if_b` where below, the hull of both where they overlap."""
         a, b, if_a, if_b = map(self.of, (a, b, if_a, if_b))
         above, below, both = a.low > b.high, b.low > a.high, if_a.hull(if_b)
-        pick = lambda of_a, of_b, of_both: fn.select(above, of_a, fn.select(below, of_b, of_both))
+        # of two Python numbers dr.select makes one of single precision
+        lifted = dr.expr_t(a.low, b.low) if dr.is_array_v(a.low) or dr.is_array_v(b.low) else lambda bound: bound
+        pick = lambda of_a, of_b, of_both: fn.select(above, lifted(of_a), fn.select(below, lifted(of_b), lifted(of_both)))
         return type(self)(pick(if_a.low, if_b.low, both.low), pick(if_a.high, if_b.high, both.high), both.nonnegative)
 
 

@@ -229,15 +229,22 @@ def parametrised(tree: Node, start: int = 0) -> tuple[Node, dict[str, float]]:
     """`tree` with its numbers as parameters c<start>, c<start + 1>, ..., and their values.
 
     Whole exponents are structure, and so are the numbers of a real power, of which number types need to know the sign.
+    Equal parts stay equal: an interval knows of (x - 1)*(x - 1) that it is a square.
     """
     values: dict[str, float] = {}
+    made: dict[Node, Node] = {}
 
     def visit(node: Node) -> Node:
+        if not isinstance(node, Number):
+            if node not in made:
+                made[node] = parts_of(node)
+            return made[node]
+        name = f"c{start + len(values)}"
+        values[name] = node.value
+        return Parameter(name)
+
+    def parts_of(node: Node) -> Node:
         match node:
-            case Number(value):
-                name = f"c{start + len(values)}"
-                values[name] = value
-                return Parameter(name)
             case RealPower(base, exponent):
                 return RealPower(*(part if isinstance(part, Number) else visit(part) for part in (base, exponent)))
         return rebuilt(node, visit)

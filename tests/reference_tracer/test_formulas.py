@@ -1,5 +1,6 @@
 """Formulas as trees: what is refused because it has no value anywhere, and formulas that differ in numbers share kernels."""
 
+import math
 import random
 import warnings
 
@@ -9,6 +10,7 @@ from tracing_support import make_scene, shoot, thing
 
 from reference_tracer.certify.line import follow
 from reference_tracer.errors import InputError
+from reference_tracer.numbers import OutwardInterval
 from reference_tracer.render import render
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.expression import Bounds, forms_of
@@ -207,3 +209,11 @@ def test_a_ray_that_ends_outside_the_domain_of_f_is_undecided_for_that_reason():
     dome = Expression(formula="max(z - sqrt(1 - x**2 - y**2), -z)")
     assert follow(dome, (0.1, 0.2, 3.0), (0.5, 0.0, -1.0), False, 9.0).undecided == "f is not finite along the ray"
     assert not follow(dome, (0.1, 0.2, 3.0), (0.0, 0.0, -1.0), False, 9.0).undecided
+
+
+def test_equal_factors_are_a_square_for_every_number_type():
+    """sqrt((x - c)**2 + ...) is defined everywhere, however the square is written."""
+    f = forms_of("sqrt((x - 0.3)*(x - 0.3) + y*y + z*z) - 1")
+    value = f.regular(*(OutwardInterval(-2.0, 2.0) for _ in range(3)), **f.parameters)
+    assert value.low <= -1 and -1.001 < value.low and value.high == pytest.approx(math.sqrt(2.3**2 + 8) - 1)
+    assert family("(x - 1)*(x - 1) - y") != family("(x - 1)*(x - 2) - y")

@@ -214,3 +214,14 @@ def test_outward_rounding_covers_results_that_underflow_in_every_thread():
     a = np.full(100_000, 1e-200)
     product = OutwardInterval(Float(a), Float(2 * a)) * OutwardInterval(Float(a), Float(2 * a))
     assert np.all(product.high.numpy() > 0) and np.all(product.low.numpy() <= 0)
+
+
+def test_slopes_that_are_plain_numbers_keep_their_digits():
+    """The slope of max(0.3 x, -0.7 x) is 0.3, -0.7 or between them: in double precision, not in single."""
+    x = backend().Float([-2.0, -0.5, 1.0])
+    value = Dual(OutwardInterval(x, x + 1), (1.0,))
+    slope = OutwardInterval.of((value * 0.3).maximum(value * -0.7).derivative())
+    low, high = (np.array(b) for b in (slope.low, slope.high))
+    np.testing.assert_allclose(low, [-0.7, -0.7, 0.3], rtol=4e-16)
+    np.testing.assert_allclose(high, [-0.7, 0.3, 0.3], rtol=4e-16)
+    assert (low <= [-0.7, -0.7, 0.3]).all() and (high >= [-0.7, 0.3, 0.3]).all()
