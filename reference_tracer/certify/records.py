@@ -22,12 +22,13 @@ def row_type(words: int) -> np.dtype:
 
     `words` is the number of 64-bit words that hold its sides; `limit` is max_distance, or the distance to the light;
     `towards` is the light of a shadow ray; `reach` is how far its origin may be off the surface it starts on (infinite
-    where the audited method does not vouch for it); `radius` encloses the proven t; `rivalled` says that another object may be
-    crossed there as well; `smooth` that the gradient exists there; `edge` marks a pixel on an edge.
+    where the audited method does not vouch for it); `radius` encloses the proven t; `rivalled` says that another object
+    may be crossed there as well; `smooth` that the gradient exists there; `edge` marks a pixel on an edge.
     """
     return np.dtype([("o", "f8", 3), ("d", "f8", 3), ("sides", "u8", (words,)), ("limit", "f8"),
                      ("kind", "u1"), ("generation", "u1"), ("pixel", "i8"), ("towards", "i2"), ("edge", "?"),
-                     ("reach", "f8"), ("smooth", "?"), ("rivalled", "?"), ("audited", ANSWER), ("proven", ANSWER), ("radius", "f8")])
+                     ("reach", "f8"), ("smooth", "?"), ("rivalled", "?"), ("audited", ANSWER), ("proven", ANSWER),
+                     ("radius", "f8")])
 
 
 def numpy(array, count: int) -> np.ndarray:

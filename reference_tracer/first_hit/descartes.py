@@ -26,9 +26,9 @@ class Descartes(SegmentMethod):
 
     The number of sign changes among the Bernstein coefficients of g on a segment exceeds the number of its roots there
     by an even number (Descartes; Lane and Riesenfeld 1981, Bounds on a polynomial). None: no crossing; the segment is
-    left and w doubled. One: exactly one crossing. More: the segment is cut where the roots seem to part. The first coefficient is g at the segment's
-    start; once g has been seen on the ray's own side (`settled`) its sign is that side. A coefficient smaller than its
-    own rounding decides nothing; where that never resolves, the ray is undecided.
+    left and w doubled. One: exactly one crossing. More: the segment is cut where the roots seem to part. The first
+    coefficient is g at the segment's start; once g has been seen on the ray's own side (`settled`) its sign is that
+    side. A coefficient smaller than its own rounding decides nothing; where that never resolves, the ray is undecided.
 
     At the ray's origin the first coefficient is noise (see IntervalMethod), and the others must tell: where all are on
     the own side g arrives there, and what it may have passed is the surface the ray starts on. Anything else decides

@@ -142,7 +142,8 @@ def test_where_a_ray_starts_is_told_by_enclosures_of_any_f():
 
     A power of a ball that spans most of its size reaches down to zero: there the surface is excluded from nearer only.
     """
-    for formula, excluded in (("{}", 0.99), ("({})**3", 0.2), ("cbrt({})", 0.99), ("sqrt(x**2 + y**2 + z**2) - 1 + 0*{}", 0.99)):
+    for formula, excluded in (("{}", 0.99), ("({})**3", 0.2), ("cbrt({})", 0.99),
+                              ("sqrt(x**2 + y**2 + z**2) - 1 + 0*{}", 0.99)):
         ball = Expression(formula=formula.format("(x**2 + y**2 + z**2 - 1)"))
         for distance in (2.0**-50, -(2.0**-30)):
             o = (1 + distance, 0.0, 0.0)
