@@ -95,10 +95,10 @@ BAD = [
     (["render", "{ball}", "-o", "{dir}/out.png", "--with", "embree", "--set", "resolution=9", "--set", "resolution=9"], "second time"),
     (["render", "{ball}", "-o", "{dir}/out.png", "--size", "16384x4096"], "GiB of memory, more than 2.0 GiB; take more by --memory"),
     (["render", "{ball}", "-o", "{dir}/out.png", "--memory", "0.2"], "more than 0.2 GiB; take more by --memory"),
-    (["sensitivity", "{ball}", "--size", "0x0"], "--size: camera.width: must be at least 1; found 0"),
+    (["sensitivity", "{ball}", "--size", "0x0"], "--size: width: must be at least 1; found 0"),
     (["sensitivity", "{ball}", "--verify", "-3"], "--verify: must be at least 0; found '-3'"),
     (["sensitivity", "{ball}", "--size", "16384x4096"], "GiB of memory"),
-    (["certify", "{ball}", "--size", "0x5"], "--size: camera.width: must be at least 1"),
+    (["certify", "{ball}", "--size", "0x5"], "--size: width: must be at least 1"),
     (["certify", "{ball}", "--sample", "-1"], "--sample: must be at least 0"),
     (["transport", "--limit", "nan", "-o", "{dir}/r"], "--limit: must be a number; found 'nan'"),
     (["transport", "-o", "{ball}/below"], "ball.json is not a folder"),
@@ -184,7 +184,7 @@ def test_a_cost_out_of_proportion_is_told_before_and_ctrl_c_ends_it_in_one_sente
     """2^65 - 1 rays a pixel at most, as the materials and the depth have it; progress follows the estimate."""
     process, estimate = started(glass(depth=64), tmp_path)
     try:
-        assert estimate.startswith("raytruth: glass: 307,200 camera rays and ") and " years" in estimate
+        assert estimate.startswith("raytruth: glass: 307,200 camera rays and ") and " will take " in estimate
         assert f"(at most {307200 * (2**65 - 2):.1e})" in estimate
         assert "glass: 0% after 0:" in process.stderr.readline()
         process.send_signal(signal.SIGINT)
