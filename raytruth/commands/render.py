@@ -16,10 +16,9 @@ import json
 import time
 from pathlib import Path
 
-from ..arguments import number, size, whole
+from .. import memory
+from ..arguments import size, whole
 
-GIB = 1 << 30
-MEMORY = 2 * GIB  # a picture may take without being asked
 MUCH = 1 << 22  # rays or steps at most: less than that takes a few seconds at most, and is not estimated
 MANY_KINDS = 16  # of surfaces: more take long to compile
 LONG = 3.0  # seconds from which on an estimate is told
@@ -41,8 +40,7 @@ def add_arguments(parser):
     parser.add_argument("--precision", type=int, choices=(64, 32), help="bits of the floats (default: the scene's, 64)")
     parser.add_argument("--device", choices=("llvm", "cuda"), help="processor (llvm, default) or graphics card (cuda)")
     parser.add_argument("--threads", type=whole(-1), metavar="N", help="threads to use (default: all cores)")
-    parser.add_argument("--memory", type=number(0.1, 1024), metavar="GIB",
-                        help="the most memory to take (default 2, or what is there if that is less)")
+    memory.add_argument(parser)
     parser.add_argument("--json", action="store_true", help="print what was made as JSON")
 
 
@@ -99,7 +97,7 @@ def _with_ours(scene, arguments):
     from reference_tracer.render import Renderer
 
     output = Path(arguments.output)
-    _require_memory(scene, output, arguments.memory)
+    memory.require(scene, planes_of(output), COPIES[output.suffix.lower()], arguments.memory)
     start, method, device = time.perf_counter(), arguments.method or "exact", arguments.device or "llvm"
     with Progress(1.0, label=f"{scene.name}: compiling kernels") as bar:
         renderer = Renderer(scene, method, precision=arguments.precision, device=device, threads=arguments.threads)
@@ -126,20 +124,6 @@ def _may_be_long(scene) -> bool:
     paper = any(o.first_hit and o.first_hit.method == "paper" for o in scene.objects)
     steps = scene.tracing.max_distance / scene.tracing.step_size
     return most_rays(scene) > MUCH or most_rays(scene) * steps > 64 * MUCH or paper
-
-
-def _require_memory(scene, output: Path, most: float | None) -> None:
-    """Raises InputError where the picture takes more memory than there is or was allowed."""
-    from reference_tracer.errors import InputError
-    from reference_tracer.estimate import available, memory, size_of
-    from reference_tracer.image_files import planes_of
-
-    needed, there = memory(scene, planes_of(output), COPIES.get(output.suffix.lower(), 0)), available()
-    limit = min(MEMORY, there) if most is None else most * GIB
-    if needed > limit:
-        allow = f"allow it by --memory {needed / GIB + 0.05:.1f}" if needed <= there else "this machine has too little for it"
-        raise InputError(f"{scene.name}: the picture takes about {size_of(needed)} of memory, more than "
-                         f"{size_of(limit)}; render it smaller or with fewer objects, or {allow}")
 
 
 def _with_other_renderer(scene, arguments):
