@@ -7,7 +7,7 @@ from random import Random
 
 from ..worker import serve
 
-JUDGED = 20  # pixels of a picture, drawn at random
+JUDGED = 16  # pixels of a picture, drawn at random
 
 
 def main() -> None:

@@ -12,7 +12,7 @@ interval arithmetic: a proof. python-flint decides a sample of them exactly, tan
 silhouettes and shadow edges. A few whole pixels are recomputed with 77 digits. The exit code is 1 if anything
 contradicts.
 
-With --random no scene is given: scene K of the random ones is drawn from the seed K, rendered, and twenty of its pixels
+With --random no scene is given: scene K of the random ones is drawn from the seed K, rendered, and sixteen of its pixels
 are held against python-flint's numbers of 60 digits, which share no line of code with the tracer. Scenes that fail are
 written to the folder of -o. The exit code is 1 if a decided pixel is wrong, a scene cannot be rendered, or more than 1 %
 of a kind's hits are undecided although the 60 digits decide them; pairs of objects at one distance and formulas that are
