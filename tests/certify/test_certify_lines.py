@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from reference_tracer.certify.line import exact_form, follow, ray_polynomial
+from reference_tracer.certify.line import follow, ray_polynomial
 from reference_tracer.certify.origins import starts_along, starts_on
 from reference_tracer.certify.reasons import why
 from reference_tracer.surfaces.expression import Expression
@@ -165,6 +165,6 @@ def test_a_ray_from_the_wrong_side_that_never_comes_back_is_undecided(ball):
 
 def test_f_is_decided_as_it_is_written_where_that_is_a_polynomial():
     torus, power = Torus(R=2.0, r=0.5), Expression(formula="(x**2 + y**2 + z**2 - 1)**5")
-    assert exact_form(power) is power.function and exact_form(torus) is torus.polynomial_form
-    assert exact_form(Expression(formula="sin(x) + y")) is None
+    assert power.exact_form is power.function and torus.exact_form is torus.polynomial_form
+    assert Expression(formula="sin(x) + y").exact_form is None
     assert ray_polynomial(power, (0.0, 0.0, -3.0), UP).p.degree() == 10
