@@ -69,6 +69,8 @@ def balls(v) -> Triple:
 
 def points(v) -> Triple:
     """The middles of three balls, as rational numbers."""
+    if not all(c.is_finite() for c in v if isinstance(c, arb)):
+        raise Unsettled("a ray without a certain direction")
     return tuple(rational(c) for c in v)
 
 
