@@ -54,7 +54,7 @@ class Judge:
 
     def __init__(self, scene: dict, seed: int = 0):
         self.oracle, self.random = Oracle(scene), Random(seed)
-        self.tolerance = 0.0  # of Newton's last step (decision M6), where a method stops there
+        self.tolerance = 8 * 2.0**-52  # of the last step of a root search (decision M6), relative to max(1, t): that of `exact`
         brightest = sum(max(light.get("brightness", (1, 1, 1))) for light in scene.get("lights", ()))
         self.brightest = max(brightest, max(scene.get("background", (0,))), 1e-300)
         far = lambda v: max(abs(float(c)) for c in v)
