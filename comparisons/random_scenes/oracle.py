@@ -84,6 +84,8 @@ class Solid:
         self.formula = Formula(text)
         self.center = balls(surface.get("center", (0, 0, 0)))
         self.axes = _turned(document.get("rotation"))
+        # what is promised to hold the surface counts where f may have no value outside; inside it, f is what it is
+        self.box = surface.get("bounds") if self.sign > 0 and not self.formula.is_polynomial else None
         material = document.get("material", {})
         self.color = balls(material.get("color", (1, 1, 1)))
         self.reflection, self.transparency, self.index = (
@@ -135,7 +137,28 @@ class Solid:
             if (g(start) < 0) != inside:
                 raise Unsettled("the ray starts on the other side")
             return _odd_roots(g, start, limit)
+        if self.box and not inside and not leaves:
+            start, limit = self._within_box(o, d, start, limit)
+            if start >= limit:
+                return []
         return _Search(self, o, d).crossings(start, limit, inside, only_first)
+
+    def is_far(self, point: Triple) -> bool:
+        """Whether a point of the world lies outside of the bounds, where they count."""
+        return bool(self.box) and any(not rational(float(low)) <= c <= rational(float(high)) for c, low, high in
+                                      zip(self.into(point), self.box["low"], self.box["high"]))
+
+    def _within_box(self, o: Triple, d: Triple, start: fmpq, limit: fmpq) -> tuple[fmpq, fmpq]:
+        """The part of the ray within the bounds; start > limit where it passes by."""
+        for a, b, low, high in zip(o, d, self.box["low"], self.box["high"]):
+            low, high = rational(float(low)), rational(float(high))
+            if b == 0:
+                if not low <= a <= high:
+                    return limit, start
+                continue
+            near, far = sorted(((low - a) / b, (high - a) / b))
+            start, limit = max(start, near), min(limit, far)
+        return start, limit
 
 
 def _built_in(surface: dict) -> str:
@@ -308,6 +331,9 @@ class Oracle:
         """A camera's ray: inside of what is negative at its origin."""
         inside = []
         for solid in self.solids:
+            if solid.is_far(o):
+                inside.append(False)
+                continue
             value = solid.value(o)
             if not _is_signed(value):
                 raise Unsettled("f is zero, or not defined, at the camera")
