@@ -17,10 +17,11 @@ from .attribution.explain import LARGEST, explained
 from .execution.machine import machine
 from .execution.pool import Pool, Progress, Silent
 from .execution.store import require_folder
-from .results import COMMAND, FILE, Comparison, Results, Run, SceneRecord, Verdict
+from .results import COMMAND, FILE, Comparison, Results, Run, SceneRecord
 from .runs import Request, RunStore
-from .verdicts.judge import excuses, judge, largest_difference, tolerance_of
+from .verdicts.judge import excuses, judge, literal
 from .verdicts.pairs import Measurements, Pair
+from .verdicts.tolerances import largest_difference, tolerance_of
 
 TRUTH = "exact"
 # on demand: mitsuba-sdfgrid and povray-isosurface take minutes for some scenes; mitsuba-refined has the surfaces from f
@@ -70,7 +71,7 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
                        for scene in scenes for name in options.renderers]
         comparisons = explained(comparisons, [_fitted(scene, LARGEST) for scene in scenes], runs, options.folder, pool)
         rows = tightness.tightness(scenes, options.renderers, runs, measurements) if options.with_studies else []
-        found = matrix.matrix(scenes, names, runs, pairs, measurements, rows)
+        found = matrix.matrix(scenes, names, runs, pairs, measurements, comparisons, rows)
         series = [study.series(runs, measurements) for study in planned]
         shown = effects.effects(scenes, runs, measurements) if options.with_studies else []
     records.write(found, options.folder)
@@ -100,20 +101,11 @@ def _compared(scene: Scene, truth: Run, test: Run, measurements: Measurements) -
         return Comparison(**about, verdict="not compared", reason=f"measuring {found.state}: {found.message}")
     measured = found.metrics
     if test.renderer == "paper":
-        verdict, reason, gates = *_of_the_literal_method(measured, scene), []
+        verdict, reason, gates = literal(measured, scene.tracing.step_size)
     else:
         limit = largest_difference(test)
         verdict, reason, gates = judge(measured, tolerance_of(test), excuses(measured, limit) if limit else ())
     return Comparison(**about, verdict=verdict, reason=reason, gates=gates, metrics=measured, worst=found.worst)
-
-
-def _of_the_literal_method(measured: dict, scene: Scene) -> tuple[Verdict, str]:
-    """The literal method is the algorithm's truth; where it leaves the model's, that is its nature, not a fault."""
-    wrong, failing = measured["object mismatches"], measured["failing pixels"]
-    if not wrong and not failing:
-        return "agrees", f"at step size {scene.tracing.step_size:g} the literal method misses nothing in this picture"
-    return "expected", (f"steps of {scene.tracing.step_size:g} change what {wrong} pixels see first, and "
-                        f"{failing} pixels visibly: thin parts and silhouettes fall between two samples")
 
 
 def _scene_record(scene: Scene) -> SceneRecord:

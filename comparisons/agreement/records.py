@@ -39,6 +39,7 @@ class Pair(Record):
     first: str
     second: str
     agrees: bool
+    expected: bool = Field(False, description="whether a limit is exceeded by what the literal method misses")
     tolerance: str = Field(description="the limits they were held to, by name")
     broken: str = Field("", description="the first limit that is exceeded, with its numbers")
     color_p99: float | None = Field(description="99 % of the pixels differ by less")
@@ -62,9 +63,11 @@ class Dissent(Record):
     """A scene on which not all agree: the renderers that all the others contradict."""
 
     scene: str
-    renderers: list[str] = Field(description="one: the odd one out; several: nobody can say which of them is")
+    renderers: list[str] = Field(description="those who are wrong together; of a split: one of them is")
     against: list[str] = Field(description="those they disagree with")
-    expected: bool = Field(description="whether the literal method's misses explain it")
+    stages: list[str] = Field([], description="what their pictures hang on, and no other's")
+    split: bool = Field(False, description="whether nobody can say who is wrong")
+    expected: bool = Field(description="whether it is what the literal method misses, as its oracle does")
     sentence: str
 
 

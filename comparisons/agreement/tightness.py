@@ -11,14 +11,15 @@ from dataclasses import dataclass, field
 
 from reference_tracer.scene.model import Scene
 
-from ..verdicts.judge import DOUBLE, GRID, MESH, NATIVE, ORACLE, TRACERS, Tolerance, between, judge
+from ..verdicts.judge import judge
+from ..verdicts.tolerances import DOUBLE, GRID, MESH, NATIVE, ORACLE, TRACERS, Tolerance, between
 from ..results import Gate, Run
 from ..runs import Request
 from ..verdicts.pairs import Measurements, Pair
 from .records import Tightness
 
 TRUTH = "exact"
-ALWAYS = {"not finite", "interior mismatches"}  # limits of zero under every tolerance
+ALWAYS = {"not finite", "interior mismatches", "undecided pixels"}  # the same under every tolerance
 OWN_OFFSET = {"offset": 9e-5}  # of Mitsuba's own rays from the surface they leave, relative to 1 + its coordinates
 
 
@@ -127,8 +128,7 @@ def _rows(held: Held, scenes: Sequence[Scene], runs: dict[str, Run], measurement
 
 
 def _row(tolerance: Tolerance, usual: _Case, worst: _Case) -> Tightness:
-    # a limit of zero cannot be tighter
     return Tightness(tolerance=tolerance.name, gate=usual.gate.name, limit=usual.gate.limit, unit=usual.gate.unit,
                      scene=usual.scene.name, share=usual.share, worse=worst.worse.words, worse_scene=worst.scene.name,
-                     worse_share=worst.share, verdict="tight" if worst.share > 1 or not usual.gate.limit else "loose",
+                     worse_share=worst.share, verdict="tight" if worst.share > 1 else "loose",
                      command=Request(worst.scene, worst.worse.renderer, worst.worse.settings).command)

@@ -9,7 +9,8 @@ def answer(request: dict) -> dict:
 
     from reference_tracer.scene.load import parse_scene
 
-    from ..verdicts.judge import judge, tolerance_of
+    from ..verdicts.judge import judge
+    from ..verdicts.tolerances import tolerance_of
     from ..verdicts.metrics import geometry, picture
     from ..results import Run
     from . import side

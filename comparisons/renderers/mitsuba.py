@@ -13,7 +13,9 @@ import numpy as np
 
 from converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
 from converters.mitsuba.crossings import OFFSET, Crossings, Hit, spawn
+from converters.mitsuba.shapes import native
 from converters.mitsuba.variant import dr, mi
+from reference_tracer.errors import UnsupportedError
 from reference_tracer.rays import Sides
 from reference_tracer.placement import is_inside
 from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
@@ -31,8 +33,11 @@ def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: 
     `refined` moves hits on meshes onto f; see `converters.mitsuba.refine` for what that leaves to compare.
 
     The metadata keeps apart the seconds to build the scene, to trace it first (kernels are compiled then) and, if
-    that was quick and `repeat`, to trace it again. Raises InputError for impossible meshes.
+    that was quick and `repeat`, to trace it again. Raises InputError for impossible meshes, UnsupportedError for native
+    shapes where there are none.
     """
+    if shapes == "native" and not refined and not any(native(obj, scene) for obj in scene.objects):
+        raise UnsupportedError("not applicable: Mitsuba has no shape for any of these surfaces; meshes are another renderer's")
     converted = convert(scene, shapes, resolution, error, share)
     tracer = _Tracer(scene, converted, offset, refined)
     planes, rays, first, cpu = _timed(tracer)

@@ -44,12 +44,12 @@ def excused(scene: Scene, truth: Planes, test: Planes, limit: float, precision: 
             "color max not excused": float(counted.max()) if counted.size else None}
 
 
-def bound(scene: Scene, precision: int, kept: Store) -> np.ndarray:
+def bound(scene: Scene, precision: int, kept: Store, method: str = "exact") -> np.ndarray:
     """(h, w): how far rounding may move each pixel's colour."""
-    key = store.key(scene.hash, precision, PROBES, made_by=(__name__,))
+    key = store.key(scene.hash, method, precision, PROBES, made_by=(__name__,))
     if (found := kept.arrays(key)) is not None:
         return found["bound"]
-    measured = sensitivity(scene, "exact", precision, PROBES)
+    measured = sensitivity(scene, method, precision, PROBES)
     found = np.where(measured.risk & OBJECT, NEAR_EDGES, 1.0) * measured.bound
     store.save(kept.file(key), bound=found)
     kept.keep(key, {}, arrays=True)

@@ -1,58 +1,70 @@
-"""The odd one out, by majority of independent implementations.
+"""The odd one out, by majority of independent stages.
 
-Renderers that share their shading are wrong together, so each implementation has one vote: what speaks against a
-renderer is, for every implementation, the share of its other renderers that disagree with it. Those that most speaks
-against leave if that is more than half of all votes, and so on until all that are left agree. Without such a majority, or
-where more implementations are suspect than not, nobody can say which is wrong.
+A picture hangs on stages: where its surfaces come from, who finds hits on them, who shades them. Renderers that share one
+are wrong together: two tracers of one mesh see the same triangles. So what is looked for is the smallest set of stages
+without which all that are left agree, two of which at least share no stage: one voice alone agrees with itself. If more
+than one set will do, nobody can say who is wrong, and no name decides.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import combinations
 
-EQUAL = 1e-9  # votes are sums of fractions
+from ..results import Run
+
+SHADING = {"reference": "the reference's shading", "povray": "POV-Ray's shading"}
+FOREIGN = "the document's shading on other tracers' hits"  # Mitsuba's and Embree's hits are shaded by one reading of it
 
 
 @dataclass(frozen=True)
 class Odd:
-    """`suspects` is one renderer, or several of which at least one is wrong; `against` are those they disagree with."""
+    """`suspects` are wrong together, by `stages` that they share; or, where it is a `split`, at least one of them is.
+
+    `against` are those they disagree with."""
 
     suspects: tuple[str, ...]
     against: tuple[str, ...]
+    stages: tuple[str, ...] = ()
+    split: bool = False
 
 
-def odd_ones(implementation: dict[str, str], disagree: Iterable[tuple[str, str]], known: str = "") -> list[Odd]:
-    """Who disagrees with the majority, most suspect first.
+def stages_of(run: Run, implementation: str) -> frozenset[str]:
+    """What a finished run's picture hangs on; `implementation` is the module that made it."""
+    facts, found = run.facts, {SHADING.get(implementation, FOREIGN), f"tracing by {run.renderer.partition('-')[0]}"}
+    if facts.get("triangles"):
+        found.add("hits moved onto f" if facts.get("refined") else f"meshes of {run.settings.get('resolution')} cells")
+    if facts.get("grids"):
+        found.add("grids")
+    if facts.get("native_shapes"):
+        found.add("Mitsuba's own shapes")
+    return frozenset(found)
 
-    `implementation` maps every renderer that has a picture to what it is built on; `disagree` are the pairs whose
-    limits are exceeded. A pair that was not compared counts as agreeing. Where there is no majority it is `known`, if
-    that is among those who disagree: the one whose faults are its nature.
+
+def odd_ones(stages: Mapping[str, frozenset[str]], disagree: Iterable[tuple[str, str]]) -> Odd | None:
+    """Who is wrong among renderers with these `stages`; None where all agree.
+
+    `disagree` are the pairs whose limits are exceeded. A pair that was not compared counts as agreeing.
     """
-    left, pairs = list(implementation), {frozenset(pair) for pair in disagree}
-    found = []
-    while True:
-        against = {name: tuple(n for n in left if frozenset((n, name)) in pairs) for name in left}
-        shares = {name: _share(name, left, implementation, against[name]) for name in left}
-        most = max(shares.values(), default=0)
-        if most <= EQUAL:
-            return found
-        suspects = [name for name in left if shares[name] >= most - EQUAL]
-        trusted = {implementation[name] for name in left if name not in suspects}
-        if most <= 0.5 + EQUAL or len(trusted) <= len({implementation[s] for s in suspects}):
-            suspects = [name for name in left if name in suspects or any(name in against[s] for s in suspects)]
-            if known not in suspects:
-                return [*found, Odd(tuple(suspects), tuple(n for n in left if any(n in against[s] for s in suspects)))]
-            suspects = [known]
-        found += [Odd((s,), against[s]) for s in suspects]
-        left = [name for name in left if name not in suspects]
-
-
-def _share(name: str, left: list[str], implementation: dict[str, str], against: tuple[str, ...]) -> float:
-    """The share of all votes that speaks against a renderer; other renderers of its implementation have one as well."""
-    votes = []
-    for built_on in {implementation[n] for n in left}:
-        others = [n for n in left if n != name and implementation[n] == built_on]
-        if others:
-            votes.append(sum(n in against for n in others) / len(others))
-    return sum(votes) / len(votes) if votes else 0.0
+    pairs = {frozenset(pair) for pair in disagree}
+    involved = tuple(name for name in stages if any(name in pair for pair in pairs))
+    if not involved:
+        return None
+    known = sorted(set().union(*stages.values()))
+    for size in range(1, len(known) + 1):
+        found: dict[tuple[str, ...], tuple[str, ...]] = {}
+        for removed in combinations(known, size):
+            out = tuple(name for name in stages if stages[name] & set(removed))
+            left = set(stages) - set(out)
+            if not any(pair <= left for pair in pairs) and any(
+                    not stages[a] & stages[b] for a, b in combinations(left, 2)):
+                found.setdefault(out, removed)
+        least = {out: removed for out, removed in found.items() if not any(set(o) < set(out) for o in found)}
+        if len(least) == 1:
+            (out, removed), = least.items()
+            suspects = tuple(name for name in out if name in involved)
+            return Odd(suspects, tuple(n for n in stages if n not in out and any({n, s} in pairs for s in suspects)), removed)
+        if found:
+            break
+    return Odd(involved, involved, split=True)

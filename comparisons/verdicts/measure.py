@@ -11,7 +11,7 @@ from reference_tracer.scene.load import parse_scene
 
 from ..execution.store import Store
 from ..planes import read_planes
-from . import conditioning, metrics
+from . import conditioning, metrics, oracle
 
 
 def answer(arguments: dict) -> dict:
@@ -26,9 +26,11 @@ def answer(arguments: dict) -> dict:
     if arguments["smooth"]:
         away = error[conditioning.smooth(scene, a)]
         found["smooth color p99"] = float(np.quantile(away, 0.99)) if away.size else None
+    kept = Store(Path(arguments["results"]), conditioning.FOLDER)
     if excuse := arguments["excuse"]:
-        kept = Store(Path(arguments["results"]), conditioning.FOLDER)
         found |= conditioning.excused(scene, a, b, excuse["limit"], excuse["precision"], kept)
+    if arguments["literal"]:
+        found |= oracle.held(scene, a, b, kept)
     return {"state": "ok", "metrics": found, "worst": metrics.worst_pixels(error)}
 
 

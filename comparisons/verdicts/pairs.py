@@ -15,7 +15,7 @@ from ..execution import store
 from ..execution.pool import Pool, Task, complete
 from ..execution.store import Store
 from ..results import Run, State
-from .judge import largest_difference
+from .tolerances import largest_difference
 
 FOLDER = "measured"
 TRUTH = "exact"
@@ -46,8 +46,14 @@ class Pair:
         return limit and {"limit": limit, "precision": self.second.facts["precision"]}
 
     @property
+    def literal(self) -> bool:
+        """Whether the literal method, at the scene's own step, is held against the truth: then its oracle is asked."""
+        settings = self.second.settings
+        return self.first.renderer == TRUTH and settings.get("method") == "paper" and "step_size" not in settings
+
+    @property
     def key(self) -> str:
-        return store.key(self.first.key, self.second.key, self.smooth, self.excuse, made_by=("comparisons.verdicts.measure",))
+        return store.key(self.first.key, self.second.key, self.smooth, self.excuse, self.literal, made_by=("comparisons.verdicts.measure",))
 
 
 class Measurements:
@@ -63,7 +69,7 @@ class Measurements:
         tasks = [Task(pair.key, f"{pair.first.renderer} and {pair.second.renderer}: {pair.scene.name}",
                       "comparisons.verdicts.measure:answer", {
             "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results), "smooth": pair.smooth,
-            "excuse": pair.excuse, "planes": [str(self.results / run.planes) for run in (pair.first, pair.second)]},
+            "excuse": pair.excuse, "literal": pair.literal, "planes": [str(self.results / run.planes) for run in (pair.first, pair.second)]},
             self.limit, "measure") for pair in pairs]
         self._found |= complete(tasks, self.store, self.pool, Measured.model_validate_json, _settled)
 

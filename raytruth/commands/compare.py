@@ -69,7 +69,7 @@ def _tell(results, matrix, folder) -> None:
     for s in results.series:
         print(f"{'holds' if s.holds else 'fails':<13} {s.id:<45} slopes {s.slope}")
     for d in matrix.dissent:
-        print(f"{'odd one out' if len(d.renderers) == 1 else 'split':<13} {d.scene:<45} {d.sentence}")
+        print(f"{'split' if d.split else 'expected' if d.expected else 'odd one out':<13} {d.scene:<45} {d.sentence}")
     for t in matrix.tightness:
         print(f"{t.verdict:<13} {t.tolerance + ', ' + t.gate:<45} {t.worse}: {t.worse_share:.3g} of the limit; "
               f"usual: {t.share:.3g}")

@@ -152,7 +152,7 @@ def pictures():
 
 
 def measured(a, b):
-    planes = [{**{name: getattr(p, name) for name in ("color", "t", "position", "normal", "index")},
+    planes = [{**{name: getattr(p, name) for name in ("color", "t", "position", "status", "normal", "index")},
                "camera": np.array(p.scene.camera.position)} for p in (a, b)]
     return {**metrics.geometry(*planes), **metrics.picture(*planes)}
 
