@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Collection, Hashable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -59,11 +60,33 @@ def keep(document: Document, path: Path, command: str) -> Document:
     """
     # as texts: NaN, which a document may hold, is not equal to itself
     timeless = lambda found: found.model_copy(update={"created": "", "seconds": 0}).model_dump_json()
-    try:
-        earlier = read(path, type(document), command)
-        if timeless(earlier) == timeless(document):
-            return earlier
-    except InputError:  # none, or unreadable: it is replaced
-        pass
+    earlier = found(path, type(document), command)
+    if earlier is not None and timeless(earlier) == timeless(document):
+        return earlier
     write(document, path)
     return document
+
+
+def found(path: Path, kind: type[Document], command: str) -> Document | None:
+    """The document in the file `path`; None if there is none that can be read."""
+    try:
+        return read(path, kind, command)
+    except InputError:
+        return None
+
+
+def joined(earlier: Document | None, document: Document, rows: dict[str, Callable[[Record], Hashable]],
+           replaced: Collection[Hashable] | None = None, same: Sequence[str] = ()) -> Document:
+    """`document` with the rows of an `earlier` one that it does not replace: comparing one more scene drops no other.
+
+    `rows` are the fields that hold rows, and what each row is about; what is replaced is what `document` has rows about,
+    unless that is said. Documents that differ in the fields `same` are not joined.
+    """
+    if earlier is None or any(getattr(earlier, name) != getattr(document, name) for name in same):
+        return document
+    update = {}
+    for field, about in rows.items():
+        own = getattr(document, field)
+        gone = {about(row) for row in own} if replaced is None else replaced
+        update[field] = [row for row in getattr(earlier, field) if about(row) not in gone] + list(own)
+    return document.model_copy(update=update)

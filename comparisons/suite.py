@@ -17,7 +17,8 @@ from .attribution.explain import LARGEST, explained
 from .execution.machine import machine
 from .execution.pool import Pool, Progress, Silent
 from .execution.store import require_folder
-from .results import COMMAND, FILE, Comparison, Results, Run, SceneRecord
+from .renderers import RENDERERS
+from .results import COMMAND, FILE, Comparison, Results, Run, SceneRecord, joined
 from .runs import Request, RunStore
 from .verdicts.judge import excuses, judge, literal
 from .verdicts.pairs import Measurements, Pair
@@ -40,6 +41,7 @@ class Options:
     limit: float = SECONDS_PER_RUN
     jobs: int = 2  # cases made at the same time
     with_studies: bool = True
+    fresh: bool = False  # whether what the folder says of other scenes and renderers is dropped
     progress: Progress = field(default_factory=Silent)
 
 
@@ -48,38 +50,53 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
     results.json and matrix.json.
 
     A run that fails costs only its own comparisons. Finished runs and comparisons are kept by content in the folder:
-    an interrupted suite goes on where it stopped.
+    an interrupted suite goes on where it stopped. What the documents say of other scenes stays, and so do other renderers
+    on these scenes, as far as their pictures are kept. Returned is what concerns `scenes`.
     """
     start = time.monotonic()
     require_folder(options.folder)
     scenes = [_fitted(scene, options.largest) for scene in scenes]
-    store, names = RunStore(options.folder), (TRUTH, *options.renderers)
+    store = RunStore(options.folder)
+    earlier = None if options.fresh else document.found(options.folder / FILE, Results, COMMAND)
+    names = {scene.name: _compared_on(scene, options.renderers, earlier, store) for scene in scenes}
     planned = studies.planned(scenes) if options.with_studies else []
-    requests = [Request(scene, name) for name in names for scene in scenes]
+    every = dict.fromkeys(name for scene in scenes for name in names[scene.name])
+    requests = [Request(scene, name) for name in every for scene in scenes if name in names[scene.name]]
     requests += [request for study in planned for request in study.requests()]
     requests += effects.requests(scenes) + tightness.requests(scenes, options.renderers) if options.with_studies else []
     with Pool(options.jobs, options.progress) as pool:
         runs = store.make_all(requests, pool, options.limit)
         measurements = Measurements(options.folder, pool, options.limit)
         pairs = [Pair(scene, first, second) for scene in scenes
-                 for first, second in combinations([runs[Request(scene, name).key] for name in names], 2)
+                 for first, second in combinations([runs[Request(scene, name).key] for name in names[scene.name]], 2)
                  if first.state == second.state == "ok"]
         more = [pair for study in planned for pair in study.pairs(runs)]
         more += effects.pairs(scenes, runs) + tightness.pairs(scenes, options.renderers, runs) if options.with_studies else []
         measurements.make([*pairs, *more])
         comparisons = [_compared(scene, runs[Request(scene, TRUTH).key], runs[Request(scene, name).key], measurements)
-                       for scene in scenes for name in options.renderers]
+                       for scene in scenes for name in names[scene.name] if name != TRUTH]
         comparisons = explained(comparisons, [_fitted(scene, LARGEST) for scene in scenes], runs, options.folder, pool)
         rows = tightness.tightness(scenes, options.renderers, runs, measurements) if options.with_studies else []
         found = matrix.matrix(scenes, names, runs, pairs, measurements, comparisons, rows)
         series = [study.series(runs, measurements) for study in planned]
         shown = effects.effects(scenes, runs, measurements) if options.with_studies else []
-    records.write(found, options.folder)
+    before = None if options.fresh else document.found(options.folder / records.FILE, records.Matrix, COMMAND)
+    records.write(records.joined(before, found), options.folder)
     results = Results(created=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
                       seconds=round(time.monotonic() - start, 1), machine=machine(),
                       scenes=[_scene_record(s) for s in scenes], runs=list(runs.values()), comparisons=comparisons,
                       series=series, effects=shown)
-    return document.keep(results, options.folder / FILE, COMMAND)
+    document.keep(joined(earlier, results), options.folder / FILE, COMMAND)
+    return results
+
+
+def _compared_on(scene: Scene, renderers: Sequence[str], earlier: Results | None, store: RunStore) -> tuple[str, ...]:
+    """The truth, `renderers`, and those that were compared on `scene` before and whose pictures are still there."""
+    asked = (TRUTH, *renderers)
+    known = {s.name for s in earlier.scenes if s.hash == scene.hash} if earlier else set()
+    others = [earlier.run(c.test).renderer for c in earlier.comparisons if c.scene == scene.name] if scene.name in known else []
+    return (*asked, *(name for name in dict.fromkeys(others)
+                      if name not in asked and name in RENDERERS and store.finished(Request(scene, name))))
 
 
 def _fitted(scene: Scene, largest: int) -> Scene:

@@ -21,18 +21,18 @@ WORDS = {"missing": "is not installed", "refused": "cannot express the scene", "
          "timeout": "ran out of time", "malformed": "wrote what is no picture"}
 
 
-def matrix(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run], pairs: Sequence[Pictures],
+def matrix(scenes: Sequence[Scene], names: dict[str, tuple[str, ...]], runs: dict[str, Run], pairs: Sequence[Pictures],
            measurements: Measurements, comparisons: Sequence[Comparison], tightness: Sequence[Tightness] = ()) -> Matrix:
-    """The matrix of the renderers `names` on `scenes`, all of whose `runs` (by key) have been made, from all `pairs`.
+    """The matrix of the renderers that `names` has for `scenes`, all of whose `runs` (by key) have been made, from `pairs`.
 
     Who differs from the truth as its nature is, by `comparisons`, has no vote on that scene.
     """
-    of_scene = {scene.name: [runs[Request(scene, name).key] for name in names] for scene in scenes}
+    of_scene = {scene.name: [runs[Request(scene, name).key] for name in names[scene.name]] for scene in scenes}
     natural = {(c.scene, runs[c.test].renderer) for c in comparisons if c.verdict == "expected"}
     measured = {scene.name: [_pair(p, measurements, natural) for p in pairs if p.scene.name == scene.name]
                 for scene in scenes}
     members = [Member(name=name, title=renderers.find(name).title, implementation=renderers.find(name).module)
-               for name in names]
+               for name in dict.fromkeys(name for scene in scenes for name in names[scene.name])]
     absent = [Absent(scene=scene.name, renderer=run.renderer, state=run.state,
                      reason=f"{WORDS[run.state]}: {run.message}")
               for scene in scenes for run in of_scene[scene.name] if run.state != "ok"]

@@ -100,6 +100,14 @@ class Matrix(Record):
     command: str
 
 
+def joined(earlier: Matrix | None, matrix: Matrix) -> Matrix:
+    """`matrix` with what an earlier one says of other scenes."""
+    scenes = {place.name for place in matrix.places}
+    about = {"places": lambda p: p.name, **dict.fromkeys(("pairs", "absent", "dissent"), lambda row: row.scene)}
+    found = document.joined(earlier, matrix, about, scenes)
+    return document.joined(earlier, found, {"members": lambda m: m.name, "tightness": lambda t: (t.tolerance, t.gate)})
+
+
 def write(matrix: Matrix, folder: Path) -> Path:
     return document.write(matrix, folder / FILE)
 

@@ -43,7 +43,8 @@ class Renderer:
 RENDERERS = {r.name: r for r in (
     Renderer("exact", "reference, exact intersections", "reference", {"method": "exact"}),
     Renderer("paper", "reference, the document's literal method", "reference", {"method": "paper"}),
-    Renderer("mitsuba-native", "Mitsuba 3, native shapes", "mitsuba", {"shapes": "native", "resolution": 256}),
+    Renderer("mitsuba-native", "Mitsuba 3, native shapes", "mitsuba",
+             {"shapes": "native", "resolution": 256, "require_native": True}),
     Renderer("mitsuba-mesh", "Mitsuba 3, meshes", "mitsuba", {"shapes": "mesh", "resolution": 256}),
     Renderer("mitsuba-refined", "Mitsuba 3, hits moved onto f", "mitsuba",
              {"shapes": "native", "resolution": 256, "refined": True}),

@@ -148,9 +148,12 @@ class Stability(Record):
         return next(f for f in self.families if f.id == id)
 
 
-def keep(stability: Stability, folder: Path) -> Stability:
-    """Writes the document into `folder`, unless the same one is there."""
-    return document.keep(stability, folder / FILE, COMMAND)
+def keep(stability: Stability, folder: Path, fresh: bool = False) -> Stability:
+    """Writes the document into `folder`, with the other families that are there unless `fresh` or of other rays."""
+    earlier = None if fresh else document.found(folder / FILE, Stability, COMMAND)
+    found = document.joined(earlier, stability, {"families": lambda f: f.id, "findings": lambda f: f.family},
+                            {f.id for f in stability.families} | {f.family for f in stability.findings}, ("rays", "seed"))
+    return document.keep(document.joined(earlier, found, {"methods": lambda m: m.name}), folder / FILE, COMMAND)
 
 
 def read(folder: str | Path) -> Stability:

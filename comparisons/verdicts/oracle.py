@@ -23,7 +23,7 @@ from .tolerances import REPEATED
 
 FEWEST = 2000  # pixels that are asked for, or all there are; half of them where the method is likely to err
 MOST = 4000  # of the pixels that differ from exact intersections
-TOGETHER = 250  # pixels traced at a time
+TOGETHER = 1 << 20  # samples of camera rays that are held at a time
 EVALUATIONS = 1.5e8  # of f by the oracle: no more pixels are begun then, where paths are many
 
 
@@ -81,8 +81,7 @@ def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, fl
     color, t, index = (test[name].reshape(-1, *test[name].shape[2:])[pixels] for name in ("color", "t", "index"))
     error = np.abs(color - asked["color"]).max(axis=-1)
     error = np.where(np.isfinite(error), error, np.where(np.isnan(color) == np.isnan(asked["color"]), 0, np.inf).max(axis=-1))
-    with np.errstate(invalid="ignore"):
-        same = (index == asked["index"]) & ((t == asked["t"]) | (np.abs(t - asked["t"]) <= REPEATED * np.maximum(1, t)))
+    same = _same_hit(index, t, asked["index"], asked["t"])
     apart = ~same | ~(error <= REPEATED * (1 + np.abs(asked["color"]).max(axis=-1)))
     excused = np.zeros_like(apart)
     if apart.any():
@@ -97,8 +96,14 @@ def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, fl
 
 
 def differing(truth: Planes, test: Planes) -> np.ndarray:
-    """Where the literal method shows another object, or a colour that is visibly another one. (h, w)"""
-    return (truth["index"] != test["index"]) | ~(pixel_error(truth["color"], test["color"]) <= VISIBLE)
+    """Where the literal method shows another object, distance or colour than rounding explains. (h, w)"""
+    same = _same_hit(truth["index"], truth["t"], test["index"], test["t"])
+    return ~same | ~(pixel_error(truth["color"], test["color"]) <= REPEATED * (1 + np.abs(truth["color"]).max(axis=-1)))
+
+
+def _same_hit(index, t, other_index, other_t) -> np.ndarray:
+    with np.errstate(invalid="ignore"):
+        return (index == other_index) & ((t == other_t) | (np.abs(t - other_t) <= REPEATED * np.maximum(1, t)))
 
 
 def chosen(scene: Scene, truth: Planes, test: Planes) -> np.ndarray:
@@ -122,10 +127,11 @@ def shown(scene: Scene, pixels: np.ndarray) -> dict[str, np.ndarray]:
     """What the recursion shows of the first of these pixels, as many as it can afford: their flat indices, `color` (n, 3),
     and of the rays through their centres `t` and `index`."""
     search, parts = AllSteps(scene), []
-    for first in range(0, len(pixels), TOGETHER):
+    count = max(1, int(TOGETHER * scene.tracing.step_size / scene.tracing.max_distance))
+    for first in range(0, len(pixels), count):
         if search.evaluations > EVALUATIONS:
             break
-        parts.append(_traced(scene, search, pixels[first:first + TOGETHER]))
+        parts.append(_traced(scene, search, pixels[first:first + count]))
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 
@@ -160,8 +166,7 @@ def causes(scene: Scene, truth: Planes, test: Planes, pixels: np.ndarray) -> dic
     o, d = _rays(scene, pixels, 0, 0, 1)
     (t, k), (exact_t, exact_k) = ((p["t"].ravel()[pixels], p["index"].ravel()[pixels]) for p in (test, truth))
     undecided = truth["status"].ravel()[pixels] == UNDECIDED
-    with np.errstate(invalid="ignore"):
-        same = (k == exact_k) & ((t == exact_t) | (np.abs(t - exact_t) <= REPEATED * np.maximum(1, exact_t)))
+    same = _same_hit(exact_k, exact_t, k, t)
     # the samples before and after the exact hit: where the object's side is the same on both, no change of sign was seen
     met = exact_k >= 0
     before = np.floor(np.where(met, exact_t, 0) / h) * h

@@ -31,6 +31,7 @@ def add_arguments(parser):
                         help="time limit of one run (default 30; with --full 120)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for chart.json (default: results, if nothing was chosen)")
+    parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
     parser.add_argument("--json", action="store_true", help="print the document")
 
 
@@ -52,7 +53,7 @@ def run(arguments) -> int:
         chart = suite.run(charted, studies, suite.Options(folder, arguments.full, arguments.turns, limit,
                                                           patience=30.0 if arguments.full else 0.5, progress=progress))
     if arguments.results or not (arguments.scene or arguments.growth):
-        chart = results.keep(chart, folder)
+        results.keep(chart, folder, arguments.fresh)
         print(f"written to {folder / results.FILE}", file=sys.stderr)
     if arguments.json:
         print(chart.model_dump_json(indent=1))

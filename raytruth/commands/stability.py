@@ -23,6 +23,7 @@ def add_arguments(parser):
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="families examined at the same time (default 2)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for stability.json (default: results, if every family is run)")
+    parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
     parser.add_argument("--json", action="store_true", help="print the document")
 
 
@@ -40,7 +41,7 @@ def run(arguments) -> int:
     with Cases() as progress:
         document = suite.run(chosen, folder or Path("results"), rays=arguments.rays, jobs=arguments.jobs, progress=progress)
     if folder is not None:
-        document = results.keep(document, folder)
+        results.keep(document, folder, arguments.fresh)
     if arguments.json:
         print(document.model_dump_json(indent=1))
     else:

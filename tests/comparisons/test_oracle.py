@@ -113,8 +113,8 @@ def test_the_pixels_asked_for_are_half_at_edges_and_where_it_fails():
     h, w = 300, 400
     index = np.zeros((h, w), int)
     index[:, w // 2:] = 1
-    truth = {"index": index, "color": np.zeros((h, w, 3))}
-    test = {"index": index.copy(), "color": np.zeros((h, w, 3))}
+    truth = {"index": index, "t": np.ones((h, w)), "color": np.zeros((h, w, 3))}
+    test = {"index": index.copy(), "t": np.ones((h, w)), "color": np.zeros((h, w, 3))}
     test["color"][10:20, 10:20] = 1
     pixels = oracle.chosen(SCENE, truth, test)
     assert len(pixels) == len(set(pixels)) >= 2000
