@@ -1,6 +1,6 @@
 # make report   everything from nothing: environment, pictures, comparisons, reports/html/index.html
 # make test     the tests
-# make bench    how fast, as ratios to others; takes its time, and wants the machine to itself
+# make fuzz     5000 hostile inputs against the command line; takes its time
 # make bench    ratios to other programs; wants the machine to itself
 # make clean    removes what the two made; the next run starts from nothing
 
@@ -8,7 +8,7 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 
-.PHONY: report test bench clean
+.PHONY: report test fuzz bench clean
 
 # what the report shows; each suite keeps what it has finished, and exit code 1 says that something differs
 SUITES := "compare --largest 320 --jobs 3" "transport --jobs 3" "stability" "attribute --wrong-on-purpose --jobs 6" \
@@ -22,6 +22,9 @@ report: $(VENV)/installed
 
 test: $(VENV)/installed
 	$(BIN)/python -m pytest
+
+fuzz: $(VENV)/installed
+	$(BIN)/python tests/fuzz/fuzz.py --inputs 5000
 
 bench: $(VENV)/installed
 	$(BIN)/python -m comparisons.bench

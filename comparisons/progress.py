@@ -20,7 +20,7 @@ class Progress:
 
     def __init__(self, total: float, quiet: bool = False, label: str = ""):
         self.total, self.done, self.label = max(total, 1e-9), 0.0, label
-        self._start = time.monotonic()
+        self._start = self._moved = time.monotonic()
         self._terminal, self._quiet = sys.stderr.isatty(), quiet
         self._lock = threading.RLock()
         self._display: _Bar | _Lines | None = None
@@ -32,7 +32,8 @@ class Progress:
 
     def to(self, done: float, label: str | None = None) -> None:
         with self._lock:
-            self.done = done
+            if done != self.done:
+                self.done, self._moved = done, time.monotonic()
             self.show(label)
 
     def show(self, label: str | None = None) -> None:
@@ -67,8 +68,10 @@ class Progress:
     @property
     def line(self) -> str:
         """Where the work stands, in words."""
-        share, elapsed = min(self.done / self.total, 1.0), time.monotonic() - self._start
-        left = f", about {_clock(elapsed / share - elapsed)} left" if share > 0.02 else ""
+        now = time.monotonic()
+        share, elapsed = min(self.done / self.total, 1.0), now - self._start
+        known = share > 0.02 and now - self._moved < 2 * EVERY  # what stands still tells nothing
+        left = f", about {_clock(elapsed / share - elapsed)} left" if known else ""
         return f"{self.label + ': ' if self.label else ''}{share:.0%} after {_clock(elapsed)}{left}"
 
 

@@ -22,7 +22,7 @@ from .results import COMMAND, FILE, Comparison, Results, Run, SceneRecord, joine
 from .runs import Request, RunStore
 from .verdicts.judge import excuses, judge, literal
 from .verdicts.pairs import Measurements, Pair
-from .verdicts.tolerances import largest_difference, tolerance_of
+from .verdicts.tolerances import largest_difference, tolerance_of, unmeasured
 
 TRUTH = "exact"
 # on demand: mitsuba-sdfgrid and povray-isosurface take minutes for some scenes; mitsuba-refined has the surfaces from f
@@ -122,6 +122,8 @@ def _compared(scene: Scene, truth: Run, test: Run, measurements: Measurements) -
     else:
         limit = largest_difference(test)
         verdict, reason, gates = judge(measured, tolerance_of(test), excuses(measured, limit) if limit else ())
+        if verdict == "agrees" and (why := unmeasured(test)):
+            verdict, reason = "not compared", why
     return Comparison(**about, verdict=verdict, reason=reason, gates=gates, metrics=measured, worst=found.worst)
 
 

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
+import signal
 import sys
+import threading
 from importlib import import_module
+
+from .arguments import Parser, sentence
 
 COMMANDS = ("scenes", "render", "compare", "attribute", "report", "certify", "sensitivity", "stability",
             "transport", "chart", "plan", "doctor")
-OK, FINDINGS, BAD_INPUT = 0, 1, 2
+KEEPING = ("compare", "attribute", "transport", "chart")  # those whose next run reuses what an interrupted one finished
+OK, FINDINGS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 EPILOG = """\
 first steps:
@@ -18,13 +24,14 @@ first steps:
   raytruth render figure-05-sphere -o sphere.png    a picture
   raytruth compare && raytruth report               everything against everything, as HTML
 
-exit codes: 0 all is well, 1 something differs, failed or is missing, 2 the input cannot be used
+exit codes: 0 all is well, 1 something differs, failed or is missing, 2 the input cannot be used, 130 interrupted
 """
+PATIENCE = 1.0  # seconds that work may take to end after Ctrl-C; a kernel that is being compiled or run hears nothing
 
 
 def main(argv: list[str] | None = None) -> int:
     """Runs one command and returns the process's exit code."""
-    parser = argparse.ArgumentParser(prog="raytruth", epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter,
+    parser = Parser(prog="raytruth", epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter,
                                      description="The ground truth for ray tracers of implicit surfaces f(x, y, z) = 0.")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     modules = {}
@@ -34,17 +41,61 @@ def main(argv: list[str] | None = None) -> int:
         own = commands.add_parser(name, help=summary[0].lower() + summary[1:].rstrip("."), description=module.__doc__,
                                   formatter_class=argparse.RawDescriptionHelpFormatter)
         module.add_arguments(own)
+    if any("\0" in argument for argument in argv or ()):  # no shell can pass one, a program can
+        parser.error("an option or path holds the character NUL; leave it out")
     arguments = parser.parse_args(argv)
     from reference_tracer.errors import InputError
 
+    goodbye = "raytruth: interrupted" + ("; finished runs are kept" if arguments.command in KEEPING else "")
+    with _interruptible(goodbye):
+        try:
+            return modules[arguments.command].run(arguments)
+        except InputError as error:
+            print(f"raytruth: {sentence(error)}", file=sys.stderr)
+            return BAD_INPUT
+        except BrokenPipeError:  # the reader of our output has gone
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return OK
+        except OSError as error:  # a disk that is full, a folder that may not be written
+            what = f"{error.filename}: cannot be used" if error.filename else "the system refuses"
+            print(f"raytruth: {sentence(f'{what} ({error.strerror or error})')}; choose another file or folder, or make room",
+                  file=sys.stderr)
+            return BAD_INPUT
+        except MemoryError:
+            print("raytruth: there is too little memory for this; make the picture or the scene smaller", file=sys.stderr)
+            return BAD_INPUT
+        except KeyboardInterrupt:
+            print(goodbye, file=sys.stderr)
+            return INTERRUPTED
+
+
+@contextlib.contextmanager
+def _interruptible(goodbye: str):
+    """Ctrl-C ends the process soon, also while a kernel runs or is compiled, where Python does not hear of it."""
+    if (threading.current_thread() is not threading.main_thread()
+            or signal.getsignal(signal.SIGINT) is not signal.default_int_handler):
+        yield
+        return
+    listens, tells = os.pipe()
+    os.set_blocking(tells, False)
+    ended = threading.Event()
+
+    def watch():
+        while (numbers := os.read(listens, 1)) and numbers[0] != signal.SIGINT:
+            pass
+        if numbers and not ended.wait(PATIENCE):
+            shown = "\x1b[?25h\n" if sys.stderr.isatty() else ""  # a progress bar hides the cursor
+            os.write(2, f"{shown}{goodbye}\n".encode())
+            os._exit(INTERRUPTED)
+
+    before = signal.set_wakeup_fd(tells, warn_on_full_buffer=False)
+    watcher = threading.Thread(target=watch, daemon=True, name="interrupts")
+    watcher.start()
     try:
-        return modules[arguments.command].run(arguments)
-    except InputError as error:
-        print(f"raytruth: {error}", file=sys.stderr)
-        return BAD_INPUT
-    except KeyboardInterrupt:
-        print("raytruth: interrupted; finished work is kept", file=sys.stderr)
-        return 130
-    except BrokenPipeError:  # the reader of our output has gone
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return OK
+        yield
+    finally:
+        ended.set()
+        signal.set_wakeup_fd(before)
+        os.close(tells)
+        watcher.join()
+        os.close(listens)

@@ -2,4 +2,4 @@
 
 from . import llvm as _llvm
 
-_llvm.choose()  # before anything imports drjit
+_llvm.choose()  # before anything of ours imports drjit; backend.py refuses what somebody else has loaded before

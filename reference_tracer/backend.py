@@ -44,8 +44,8 @@ def backend(precision: int = 64, device: str = "llvm") -> Backend:
 
     Raises InputError where the device cannot be used.
     """
-    if device == "llvm" and not os.environ.get(llvm.VARIABLE):
-        raise InputError(f"no LLVM library of version {llvm.OLDEST} or later was found; {llvm.REMEDY}")
+    if device == "llvm":
+        llvm.require()
     if device == "cuda" and not dr.has_backend(dr.JitBackend.CUDA):
         raise InputError("no CUDA device was found; use --device llvm")
     arrays = import_module(f"drjit.{device}")

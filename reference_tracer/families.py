@@ -18,11 +18,12 @@ from .backend import Backend
 from .bounds import Ball, bounding_ball
 from .clusters import SIZE, cluster_balls, spatial_order
 from .first_hit import LocalRay, Solid
-from .numbers import Dual
+from .numbers import Dual, OutwardInterval
 from .placement import rotation_matrix
 from .scene.model import Object
+from .surfaces.outside import widened
 
-BOX_MARGIN = 1e-6  # relative; keeps crossings on the box's own faces, where a sphere touches it, inside
+ROUNDING_OF_TURNS = 2.0**-49  # of a rotation matrix's entries, at most: sine, cosine and axis, a dozen operations
 MOST_UNROLLED = 16  # objects of one family; beyond it the kernel's length costs more than reading a table
 
 
@@ -35,12 +36,26 @@ class Member:
     rotation: list | None  # three columns (Vector) of the rotation matrix, or None for the identity
     solid: Solid
     ball: Ball | None  # that holds the solid's surface; None where it is unbounded
+    enclosed: Callable  # the regular form on intervals, its parameters intervals too
 
     def local(self, o, d) -> LocalRay:
         return LocalRay(self._into(o - self.center), self._into(d))
 
     def _into(self, v):
         return v if self.rotation is None else type(v)(*(dr.dot(column, v) for column in self.rotation))
+
+    def signs_at(self, o, d, t):
+        """Whether f at o + t d is negative, and whether it is positive, for certain (Bools).
+
+        Every rounding counts, those on the way into the object's own frame too: signs of different objects compare.
+        """
+        t = OutwardInterval(t)
+        p = [t * d[k] + o[k] - self.center[k] for k in range(3)]
+        if self.rotation is not None:
+            entry = lambda c: OutwardInterval(c - ROUNDING_OF_TURNS, c + ROUNDING_OF_TURNS)
+            p = [p[0] * entry(column[0]) + p[1] * entry(column[1]) + p[2] * entry(column[2]) for column in self.rotation]
+        g = OutwardInterval.of(self.enclosed(*p))
+        return g.high < 0, g.low > 0
 
     def normal_at(self, point):
         """The gradient of the regular form at `point`, in world space, not normalised (decision N1)."""
@@ -53,19 +68,23 @@ class Member:
 
 
 class Family:
-    """The objects of a scene that share one f, as a table; row j holds the numbers of the j-th of them."""
+    """The objects of a scene that share one f and its sign outside of their boxes, as a table; row j holds the numbers of
+    the j-th of them."""
 
     def __init__(self, arrays: Backend, indices: list[int], objects: list[Object], method):
         surface = objects[0].surface
         self.arrays, self.method = arrays, method
-        self.bounded = all(o.surface.box() is not None for o in objects)
+        self.sign_outside = surface.sign_outside
+        self.bounded = self.sign_outside != 0
         self.clustered = self.bounded and len(objects) > MOST_UNROLLED
         if self.clustered:
             order = spatial_order(np.array([o.surface.center for o in objects]))
             indices, objects = [indices[k] for k in order], [objects[k] for k in order]
         self.indices = indices
         self.forms = surface.function, surface.regular_form, surface.polynomial_form
-        self.parameters = tuple(surface.parameters)
+        shared = [surface.literal_parameters and len({repr(o.surface.parameters[name]) for o in objects}) == 1
+                  for name in surface.parameters]
+        self.parameters = [name for name, same in zip(surface.parameters, shared) if not same]
         self.rotated = any(o.rotation is not None for o in objects)
         self.casts_shadow = objects[0].shadow  # like those of the others
         self.flipped = any(o.surface.inside == "positive" for o in objects)
@@ -81,13 +100,12 @@ class Family:
 
     def _row(self, obj: Object) -> list[float]:
         surface = obj.surface
-        row = [*surface.center, *surface.parameters.values()]
+        row = [*surface.center, *(surface.parameters[name] for name in self.parameters)]
         if self.rotated:
             row += rotation_matrix(obj.rotation).T.ravel().tolist()
         if self.bounded:
-            low, high = (np.array(corner) for corner in surface.box())
-            margin = BOX_MARGIN * (high - low)
-            row += [*(low - margin), *(high + margin), bounding_ball(low - margin, high + margin)]
+            low, high = widened(surface.box())
+            row += [*low, *high, bounding_ball(np.array(low), np.array(high))]
         if self.flipped:
             row += [-1.0 if surface.inside == "positive" else 1.0]
         return row
@@ -137,9 +155,16 @@ class Family:
                 return form and (lambda x, y, z: form(x, y, z, **parameters))
             return lambda x, y, z: form(x, y, z, **parameters) * sign
 
-        far_inside = arrays.Bool(False) if sign is None else sign < 0
-        solid = Solid(*map(signed, self.forms), box, far_inside)
-        return Member(index, center, rotation, solid, Ball(center, radius) if self.bounded else None)
+        _, regular, _ = self.forms
+        intervals = {name: OutwardInterval(value) for name, value in parameters.items()}
+        enclosed = lambda x, y, z: regular(x, y, z, **intervals) if sign is None else regular(x, y, z, **intervals) * sign
+        if sign is None:
+            far_inside = arrays.Bool(self.sign_outside < 0)
+        else:
+            far_inside = sign > 0 if self.sign_outside < 0 else sign < 0
+        forms = {form: signed(form) for form in self.forms}  # one and the same where they are
+        solid = Solid(*(forms[form] for form in self.forms), box, far_inside)
+        return Member(index, center, rotation, solid, Ball(center, radius) if self.bounded else None, enclosed)
 
     @cached_property
     def _clusters(self):
@@ -150,14 +175,16 @@ class Family:
         dr.make_opaque(table)
         return table
 
-    def fold(self, step: Callable[..., tuple], state: tuple, worth: Callable[..., object]) -> tuple:
+    def fold(self, step: Callable[..., tuple], state: tuple, worth: Callable[..., object],
+             unrolled: bool = True) -> tuple:
         """`state = step(member, *state)` for every member in turn; what is returned is the last state.
 
-        Members are left out of lanes where `worth(ball, *state)` is false for a ball that holds them.
+        Members are left out of lanes where `worth(ball, *state)` is false for a ball that holds them. What is seldom
+        asked for is better not `unrolled`: kernels stay short.
         """
         asked = lambda member, *state: step(member, *state) if not self.asks_bounds else dr.if_stmt(
             state, worth(member.ball, *state), lambda *state: step(member, *state), lambda *state: state)
-        if len(self.rows) <= MOST_UNROLLED:
+        if unrolled and len(self.rows) <= MOST_UNROLLED:
             for member in self._members:
                 state = asked(member, *state)
             return state

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .wavefront import Film, Primary
+from .wavefront import DECIDED, NO_COLOR, Film, Primary
 
 MISS, HIT, UNDECIDED = 0, 1, 2  # of the status plane
 TYPES = {"color": np.float64, "t": np.float64, "position": np.float64, "normal": np.float64, "index": np.int32,
@@ -41,22 +41,27 @@ class Planes:
         """Every plane of a picture; None where it is not among `names`."""
         return {name: self[name] if name in names else None for name in PLANES}
 
-    def store(self, where: slice | np.ndarray, light: Film, samples: int, hits: Primary | None = None,
-              object_count: int = 0) -> None:
-        """Takes over what was traced for the pixels `where`; without `hits`, geometry planes stay as they are."""
+    def store(self, where: slice | np.ndarray, light: Film, color_unit: float, samples: int,
+              hits: Primary | None = None, object_count: int = 0) -> None:
+        """Takes over what was traced for the pixels `where`; without `hits`, geometry planes stay as they are.
+
+        A pixel one of whose colours is not finite has the colour NaN and is undecided.
+        """
         count = len(self._arrays["color"][0, where]) if "color" in self._arrays else len(range(*where.indices(len(self))))
         numpy = lambda array: array.numpy()[..., :count]
         put = lambda name, value: self._arrays[name].__setitem__((..., where), value) if name in self._arrays else None
-        put("color", numpy(light.color) / samples**2 if samples > 1 else numpy(light.color))
+        doubt = numpy(light.doubt)
+        color = numpy(light.color) * color_unit
+        put("color", np.where(doubt == NO_COLOR, np.nan, color / samples**2 if samples > 1 else color))
         put("depth", numpy(light.generation))
         if hits is None:
             if "status" in self._arrays:
                 status = self._arrays["status"]
-                status[where] = np.where(numpy(light.undecided) > 0, UNDECIDED, status[where])
+                status[where] = np.where(doubt > DECIDED, UNDECIDED, status[where])
             return
         met = numpy(hits.index) < object_count
         put("t", numpy(hits.t))
         put("position", numpy(hits.point))
         put("normal", numpy(hits.normal))
         put("index", np.where(met, numpy(hits.index), -1))
-        put("status", np.where(numpy(light.undecided) > 0, UNDECIDED, np.where(met, HIT, MISS)))
+        put("status", np.where(doubt > DECIDED, UNDECIDED, np.where(met, HIT, MISS)))

@@ -8,8 +8,11 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 import sysconfig
 from pathlib import Path
+
+from .errors import InputError
 
 VARIABLE = "DRJIT_LIBLLVM_PATH"
 OLDEST = 16
@@ -18,6 +21,7 @@ REMEDY = (f"install karellen-llvm-core (pip install karellen-llvm-core), or poin
 
 
 chosen_by_user = bool(os.environ.get(VARIABLE))
+too_late = "drjit" in sys.modules  # importing Dr.Jit loads LLVM, and nothing can make it load another one
 
 
 def choose() -> str | None:
@@ -27,6 +31,23 @@ def choose() -> str | None:
         if found:
             os.environ[VARIABLE] = str(found)
     return os.environ.get(VARIABLE)
+
+
+def require() -> None:
+    """Raises InputError unless Dr.Jit has loaded an LLVM whose kernels do not abort the process. Imports Dr.Jit."""
+    if not os.environ.get(VARIABLE):
+        raise InputError(f"no LLVM library of version {OLDEST} or later was found; {REMEDY}")
+    import drjit as dr
+
+    if not dr.has_backend(dr.JitBackend.LLVM):
+        raise InputError(f"Dr.Jit cannot load the LLVM library {os.environ[VARIABLE]}; {REMEDY}" if not too_late else
+                         "Dr.Jit was imported before raytruth and has found no LLVM library; import raytruth first")
+    version = dr.detail.llvm_version()
+    if version[0] < OLDEST:
+        loaded = f"LLVM {'.'.join(map(str, version))}, whose kernels may abort the process"
+        raise InputError(f"drjit or mitsuba was imported before raytruth and has loaded {loaded}; import raytruth first, or "
+                         f"point {VARIABLE} at a libLLVM of version {OLDEST} or later" if too_late and not chosen_by_user
+                         else f"{os.environ[VARIABLE]} is {loaded}; {REMEDY}")
 
 
 def find() -> Path | None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .scene.model import Object, Rotation
+if TYPE_CHECKING:  # a scene is checked with what stands here
+    from .scene.model import Object, Rotation
 
 
 def rotation_matrix(rotation: Rotation | None) -> np.ndarray:
@@ -23,8 +25,23 @@ def rotation_matrix(rotation: Rotation | None) -> np.ndarray:
     return cos * np.eye(3) + sin * cross + (1 - cos) * np.outer(k, k)
 
 
-def is_inside(obj: Object, point) -> bool:
-    """Whether `point` (world space) lies inside the object: f < 0 (decision O1). The side of a camera ray (M3)."""
+def is_inside(obj: Object, point, literal: bool = False) -> bool:
+    """Whether `point` (world space) lies inside the object: f < 0 (decision O1). The side of a camera ray (M3).
+
+    From the regular form, whose sign does not drown where f leaves the range of doubles; `literal`: from f as written.
+    """
     local = rotation_matrix(obj.rotation).T @ (np.asarray(point, float) - np.array(obj.surface.center))
-    with np.errstate(all="ignore"):
-        return bool(-np.inf < obj.surface(*local) < 0)
+    form = obj.surface if literal else obj.surface.regular
+    with np.errstate(all="ignore"):  # arrays: Python's own floats raise where IEEE arithmetic divides by zero
+        value = np.ravel(form(*local[:, np.newaxis]))[0]
+    return bool(-np.inf < value < 0)
+
+
+def corners(box) -> np.ndarray:
+    """(8, 3): the corners of the box [low, high]."""
+    return np.array([[box[i][0], box[j][1], box[k][2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+def corners_in_world(obj: Object, box) -> np.ndarray:
+    """(8, 3): the corners, in world space, of a `box` in the object's own frame."""
+    return corners(box) @ rotation_matrix(obj.rotation).T + np.array(obj.surface.center)

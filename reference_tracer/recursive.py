@@ -1,8 +1,10 @@
 """The tracer as the document tells it: one recursive function, in NumPy. Slow, short, and the oracle of the fast one.
 
-Every array holds one entry for each of n rays; `inside` is (n, objects). Nothing here is shared with the wavefront
-tracer but the surfaces' f and the camera's frame: no tables, no boxes, no queues, no Dr.Jit. How rays find what they
-meet is a `Search`; `LiteralSearch` is sections 4.1 and 4.2 word for word.
+Every array holds one entry for each of n rays; `inside` is (n, objects). Shared with the wavefront tracer are the scene
+as it is read, the surfaces' f and regular form with the elementary functions they call (numbers/functions.py, on NumPy),
+and the camera's frame and canvas (camera.py). Everything else is its own: derivatives (`Tangent`), sides, rotations,
+steps, Newton, shading; no tables, no boxes, no queues, no Dr.Jit. How rays find what they meet is a `Search`;
+`LiteralSearch` is sections 4.1 and 4.2 word for word.
 """
 
 from __future__ import annotations
@@ -12,9 +14,8 @@ from typing import Protocol
 import numpy as np
 
 from .camera import canvas_point, frame
-from .numbers import Dual
-from .scene.model import Object, Scene
-from .placement import is_inside, rotation_matrix
+from .numbers.functions import cbrt, cos, exp, log, sin, sqrt, tan
+from .scene.model import Object, Rotation, Scene
 
 
 class Search(Protocol):
@@ -33,7 +34,7 @@ def render(scene: Scene, search: Search | None = None) -> np.ndarray:
     samples, width, height = scene.tracing.samples, scene.camera.width, scene.camera.height
     row, col = (plane.ravel().astype(float) for plane in np.mgrid[:height, :width])
     camera = frame(scene.camera)
-    inside = np.array([is_inside(obj, camera.v_pos) for obj in scene.objects])
+    inside = np.array([_is_inside(obj.surface(*_into_frame(obj, camera.v_pos))) for obj in scene.objects])
     total = np.zeros((width * height, 3))
     for sample_row in range(samples):
         for sample_col in range(samples):
@@ -111,7 +112,7 @@ class LiteralSearch:
 
     def __init__(self, scene: Scene):
         self.scene, self.tracing = scene, scene.tracing
-        self.frames = [(rotation_matrix(o.rotation), np.array(o.surface.center), o.surface) for o in scene.objects]
+        self.frames = [(_axes(o.rotation), np.array(o.surface.center), o.surface) for o in scene.objects]
 
     def _signs(self, o, d, t):
         """f < 0 of every object at o + t d, (n, objects); what is not finite counts as outside (M7)."""
@@ -127,7 +128,7 @@ class LiteralSearch:
             step += 1
             before, t = (step - 1) * self.tracing.step_size, np.minimum(step * self.tracing.step_size, limit[waiting])
             changed = self._signs(o[waiting], d[waiting], t) != inside[waiting]
-            for k in np.flatnonzero(changed.any(axis=0)):  # refine each, the smallest t wins (M4)
+            for k in np.flatnonzero(changed.any(axis=0)):  # refine each, the smallest t wins, then scene order (M4)
                 rays = waiting[changed[:, k]]
                 root = self._newton(k, o[rays], d[rays], 0.5 * (before + t[changed[:, k]]))
                 closer = root < t_hit[rays]
@@ -141,8 +142,8 @@ class LiteralSearch:
         active = np.ones(len(t), bool)
         for _ in range(self.tracing.max_iterations):
             with np.errstate(all="ignore"):
-                g = surface(*Dual.along(origin + t * direction, direction))
-                dt = np.where(active, g.value / g.derivative(), 0.0)
+                g = surface(*(Tangent(p, v[None]) for p, v in zip(origin + t * direction, direction)))
+                dt = np.where(active, g.value / g.slopes[0], 0.0)
             active &= np.isfinite(dt)
             t = np.where(active, t - dt, t)
             active &= np.abs(dt) > self.tracing.tolerance * np.maximum(1, np.abs(t))
@@ -162,9 +163,96 @@ class LiteralSearch:
 
 def _normal(obj: Object, point):
     """grad f, normalised (decision N1); from the regular form, see surfaces/heart.py."""
-    rotation = rotation_matrix(obj.rotation)
-    g = obj.surface.regular(*Dual.axes(tuple(((point - np.array(obj.surface.center)) @ rotation).T)))
-    return _normalize(np.stack([np.broadcast_to(g.derivative(i), len(point)) for i in range(3)], axis=-1) @ rotation.T)
+    slopes = np.eye(3)[..., None] + np.zeros(len(point))  # of each coordinate along every axis
+    with np.errstate(all="ignore"):
+        gradient = obj.surface.regular(*map(Tangent, _into_frame(obj, point), slopes)).slopes.T
+        return _normalize(gradient / np.abs(gradient).max(axis=-1, keepdims=True)) @ _axes(obj.rotation).T
+
+
+class Tangent:
+    """A value (n,) and its slopes (k, n) in k directions, by the chain rule on NumPy arrays."""
+
+    __array_ufunc__ = None  # arrays leave mixed operations to this class
+
+    def __init__(self, value, slopes):
+        self.value, self.slopes = value, slopes
+
+    @staticmethod
+    def of(number) -> Tangent:
+        return number if isinstance(number, Tangent) else Tangent(number, 0.0)
+
+    def _chain(self, value, slope) -> Tangent:
+        return Tangent(value, slope * self.slopes)
+
+    def __neg__(self):
+        return self._chain(-self.value, -1.0)
+
+    def __add__(self, other):
+        other = self.of(other)
+        return Tangent(self.value + other.value, self.slopes + other.slopes)
+
+    def __mul__(self, other):
+        other = self.of(other)
+        return Tangent(self.value * other.value, other.value * self.slopes + self.value * other.slopes)
+
+    def __truediv__(self, other):
+        other = self.of(other)
+        ratio = self.value / other.value
+        return Tangent(ratio, (self.slopes - ratio * other.slopes) / other.value)
+
+    def __pow__(self, n: int):
+        if n == 0:
+            return self._chain(np.ones_like(self.value), 0.0)
+        return self._chain(self.value**n, n * self.value ** (n - 1)) if n != 1 else self
+
+    __radd__, __rmul__ = __add__, __mul__
+    __sub__ = lambda self, other: self + -other
+    __rsub__ = lambda self, other: -self + other
+    __rtruediv__ = lambda self, other: self.of(other) / self
+
+    sqrt = lambda self: self._chain(sqrt(self.value), 0.5 / sqrt(self.value))
+    cbrt = lambda self: self._chain(cbrt(self.value), 1 / (3 * cbrt(self.value) ** 2))
+    sin = lambda self: self._chain(sin(self.value), cos(self.value))
+    cos = lambda self: self._chain(cos(self.value), -sin(self.value))
+    tan = lambda self: self._chain(tan(self.value), 1 / cos(self.value) ** 2)
+    exp = lambda self: self._chain(exp(self.value), exp(self.value))
+    log = lambda self: self._chain(log(self.value), 1 / self.value)
+    absolute = lambda self: self._chain(np.abs(self.value), np.where(self.value >= 0, 1.0, -1.0))
+
+    def power(self, exponent) -> Tangent:
+        """self ** exponent, a real number or a function: p a^(p - 1) a' + a^p log(a) p'."""
+        p = self.of(exponent)
+        raised = lambda by: np.where(self.value >= 0, np.abs(self.value) ** by, np.nan)
+        value = raised(p.value)
+        by_exponent = np.where(value == 0, 0.0, value * log(self.value)) if p is exponent else 0.0
+        return Tangent(value, p.value * raised(p.value - 1) * self.slopes + by_exponent * p.slopes)
+
+    power_of = lambda self, base: Tangent(np.full_like(self.value, base), 0.0).power(self)
+
+    def _extremum(self, other, of, first) -> Tangent:
+        other = self.of(other)
+        return Tangent(of(self.value, other.value), np.where(first(self.value, other.value), self.slopes, other.slopes))
+
+    maximum = lambda self, other: self._extremum(other, np.maximum, np.greater_equal)
+    minimum = lambda self, other: self._extremum(other, np.minimum, np.less_equal)
+
+
+def _axes(rotation: Rotation | None) -> np.ndarray:
+    """(3, 3), whose columns are the turned axes of an object: Rodrigues' formula, v cos + k x v sin + k (k.v)(1 - cos)."""
+    if rotation is None:
+        return np.eye(3)
+    k = _normalize(np.array(rotation.axis))
+    quarters = round(rotation.degrees / 90)  # what is left is at most 45 degrees: quarter turns are exact
+    rest = np.radians(rotation.degrees - 90 * quarters)
+    cos, sin = np.cos(rest), np.sin(rest)
+    for _ in range(quarters % 4):
+        cos, sin = -sin, cos
+    return np.stack([v * cos + np.cross(k, v) * sin + k * (k @ v) * (1 - cos) for v in np.eye(3)], axis=-1)
+
+
+def _into_frame(obj: Object, point):
+    """The coordinates (3, ...) of `point` (..., 3) in the object's own frame."""
+    return ((point - np.array(obj.surface.center)) @ _axes(obj.rotation)).T
 
 
 def _is_inside(f):

@@ -16,7 +16,7 @@ from .film import HIT, MISS, PLANES, UNDECIDED, Planes
 from .rays import Ray
 from .scene.model import Scene
 from .shading import Collision
-from .wavefront import MOST_RAYS, Primary, Wave, Wavefront
+from .wavefront import MOST_RAYS, Advance, Primary, Wave, Wavefront
 from .world import World
 
 class Watch:
@@ -61,7 +61,7 @@ def render(scene: Scene, method: str = "exact", *, precision: int | None = None,
     """Renders `scene` with a first-hit method ("paper", "exact", ...); see `Renderer` for rendering it again.
 
     `precision` 64 or 32 stands in for the scene's own, `planes` are those wanted. `progress` is called with the
-    finished fraction after every band; `watch` sees, and may disturb, every wave of rays. Raises InputError for an
+    finished fraction after every wave of rays; `watch` sees, and may disturb, every wave of rays. Raises InputError for an
     unknown method or an unusable device.
     """
     start = time.perf_counter()
@@ -87,24 +87,26 @@ class Renderer:
         self._first_hits = dr.freeze(self._first_hit, warn_after=1 << 30)
 
     def picture(self, planes: Sequence[str] = PLANES, progress: Callable[[float], None] | None = None,
-                watch: Watch | None = None) -> Picture:
-        """The picture, with the wanted `planes` only; see `render`."""
+                watch: Watch | None = None, band: int | None = None) -> Picture:
+        """The picture, with the wanted `planes` only; see `render`. A band has at most `band` camera rays, or MOST_RAYS."""
         start = time.perf_counter()
         camera, tracing = self.scene.camera, self.scene.tracing
         adaptive = tracing.samples > 1 and tracing.adaptive > 0
         film = Planes((*planes, "color", "index") if adaptive else planes, camera.height, camera.width)
         wavefront = Wavefront(self.world, watch.observe, watch.disturb) if watch else self.wavefront
         before, centres = wavefront.rays, 0
-        for pixels in self._bands(1 if adaptive else tracing.samples):
+        first = 0.5 if adaptive else 1.0  # the share of the first pass over the pixels
+        for pixels in self.bands(1 if adaptive else tracing.samples, band):
             if watch:
                 watch.begin(self.world, pixels.start, len(pixels))
-            centres += self._render(wavefront, pixels, 1 if adaptive else tracing.samples, film)
+            centres += self._render(wavefront, pixels, 1 if adaptive else tracing.samples, film,
+                                    _within(progress, first * pixels.start / len(film), first * pixels.stop / len(film)))
             if watch:
                 watch.end()
-            if progress:
-                progress(pixels.stop / len(film))
         if adaptive:
-            self._resample(film, wavefront)
+            self._resample(film, wavefront, band, progress and (lambda share: progress(first + (1 - first) * share)))
+        if progress:
+            progress(1.0)
         picture = Picture(scene=self.scene, **film.planes(planes))
         picture.metadata = {
             "scene": self.scene.name, "scene_hash": self.scene.hash, "method": self.method,
@@ -112,24 +114,26 @@ class Renderer:
             "rays": wavefront.rays - before + centres, "seconds": time.perf_counter() - start, "drjit": dr.__version__}
         return picture
 
-    def _bands(self, samples: int) -> Iterator[range]:
-        """Pixels in row order, as many at a time as their samples leave room for; whole rows if a row fits."""
+    def bands(self, samples: int, rays: int | None = None) -> Iterator[range]:
+        """Pixels in row order, as many at a time as `rays` leave room for; whole rows if a row fits."""
         camera = self.scene.camera
-        pixels, most = camera.width * camera.height, max(1, MOST_RAYS // samples**2)
+        pixels, most = camera.width * camera.height, max(1, (rays or MOST_RAYS) // samples**2)
         if most > camera.width:
             most -= most % camera.width
         for first in range(0, pixels, most):
             yield range(first, min(first + most, pixels))
 
-    def _render(self, wavefront: Wavefront, pixels: range, samples: int, film: Planes) -> int:
+    def _render(self, wavefront: Wavefront, pixels: range, samples: int, film: Planes,
+                progress: Callable[[Advance], None] | None) -> int:
         """Renders `pixels` into `film`; returns the number of rays beyond those that the wavefront counts."""
         source, count = camera_rays(self.world, pixels, samples), len(pixels)
         primary = film.wants_hits and samples == 1
-        light, hits = wavefront.trace(source, count * samples**2, max(count, 2), primary)
+        light, hits = wavefront.trace(source, count * samples**2, max(count, 2), primary, progress)
         centres = film.wants_hits and samples > 1  # the geometry planes belong to the pixel's centre
         if centres:
             hits = self._first_hits(camera_rays(self.world, pixels, 1), self.world.variables)
-        film.store(slice(pixels.start, pixels.stop), light, samples, hits, self.world.object_count)
+        film.store(slice(pixels.start, pixels.stop), light, self.world.color_unit, samples, hits,
+                   self.world.object_count)
         return count if centres else 0
 
     def _first_hit(self, source: CameraRays, variables) -> Primary:
@@ -140,13 +144,20 @@ class Renderer:
         normal = world.normal(point, hit.index, met)
         return Primary.of(world, hit, point, dr.select(dr.dot(ray.d, normal) > 0, -normal, normal))
 
-    def _resample(self, film: Planes, wavefront: Wavefront) -> None:
+    def _resample(self, film: Planes, wavefront: Wavefront, band: int | None,
+                  progress: Callable[[float], None] | None) -> None:
         """Takes n x n samples of the pixels that differ from a neighbour (`adaptive` of the scene)."""
         samples = self.scene.tracing.samples
         chosen = np.flatnonzero(differing(film["color"], film["index"], self.scene.tracing.adaptive))
-        most = max(1, MOST_RAYS // samples**2)
+        most = max(1, (band or MOST_RAYS) // samples**2)
         for start in range(0, len(chosen), most):
             pixels = chosen[start:start + most]
             light, _ = wavefront.trace(camera_rays(self.world, pixels, samples), len(pixels) * samples**2,
-                                       max(len(pixels), 2), primary=False)
-            film.store(pixels, light, samples)
+                                       max(len(pixels), 2), primary=False, progress=_within(
+                                           progress, start / len(chosen), (start + len(pixels)) / len(chosen)))
+            film.store(pixels, light, self.world.color_unit, samples)
+
+
+def _within(progress: Callable[[float], None] | None, start: float, stop: float) -> Callable[[Advance], None] | None:
+    """Tells `progress` how far the picture is while its part from `start` to `stop` is traced."""
+    return progress and (lambda advance: progress(start + (stop - start) * advance.share))

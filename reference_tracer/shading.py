@@ -10,6 +10,8 @@ from .rays import Hit, Ray, Sides
 from .secondary import reflect, refract
 from .world import Material, World
 
+ROUNDING_OF_LENGTHS = 16  # units of rounding in the square of a normalised vector's length: seven operations, and spare
+
 
 @dataclass
 class Collision:
@@ -22,7 +24,7 @@ class Collision:
     point: object  # Vector, where the ray met the object
     normal: object  # Vector, unit, turned against the ray (decision N1)
     color: object  # Vector, visibleColor (1 - reflection) (1 - transparency), or the background
-    smooth: object  # Bool, the gradient exists there
+    smooth: object  # Bool, the gradient exists there, and the normal has length 1
     lights_asked: object  # UInt, shadow rays traced
     lights_reached: object  # UInt, how many of them reached their light
     lights_undecided: object  # UInt, how many of them are undecided
@@ -54,8 +56,9 @@ def collide(world: World, ray: Ray, active) -> Collision:
     cos1 = -dr.dot(ray.d, gradient)
     normal = dr.select(cos1 < 0, -gradient, gradient)
     cos1 = dr.abs(cos1)
-    # where the gradient does not exist (O4, O5) there is no normal: face the ray, and say that the pixel is undecided
-    smooth = ~met | dr.isfinite(cos1)
+    # where the gradient does not exist (O4, O5), overflows or underflows there is no normal: face the ray, and say that
+    # the pixel is undecided
+    smooth = ~met | (dr.abs(dr.squared_norm(normal) - 1) < ROUNDING_OF_LENGTHS * dr.epsilon(Float))
     normal, cos1 = dr.select(smooth, normal, -ray.d), dr.select(smooth, dr.minimum(cos1, 1), 1)
 
     material = world.material(hit.index, met)

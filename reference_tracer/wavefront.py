@@ -6,6 +6,9 @@ and the newest wave is traced first, so that memory stays bounded at any picture
 
 What a kernel needs of a wave's parents it reads itself, and it is recorded once and replayed for later waves: between
 two generations only the rays that go on are listed.
+
+At most one wave of each generation waits with its collisions for its secondary rays: those of all generations together
+take no more than `MOST_HELD`, since deep waves are split into shorter ones, but for `LEAST_PART` rows a generation.
 """
 
 from __future__ import annotations
@@ -16,13 +19,16 @@ from typing import Protocol
 
 import drjit as dr
 
-from .rays import Hit, Ray, Sides
+from .rays import BITS, Hit, Ray, Sides
 from .shading import Collision, collide
 from .world import World
 
 MOST_RAYS = 1 << 20  # about 200 MB of intermediate results
+MOST_HELD = 1 << 29  # bytes of collisions that wait for their secondary rays
+LEAST_PART = 1 << 13  # rays of a wave, below which a kernel's launch costs more than its work
 REFRACTED = 1 << 31  # marks a refraction ray in a queue
 NO_RAY = (1 << 32) - 1  # pads a queue
+DECIDED, IN_DOUBT, NO_COLOR = 0, 1, 2  # of a pixel: the worst of its rays counts
 
 
 @dataclass
@@ -57,26 +63,38 @@ class Primary:
 
 @dataclass
 class Film:
-    """What the rays of a band add up to, one entry a slot (a pixel)."""
+    """What the rays of a band add up to, one entry a slot (a pixel).
 
-    color: object  # Vector
+    Rays of one pixel are added by several threads in any order. Sums of whole numbers do not depend on it, those of
+    floats do: colours are added up as multiples of `World.color_unit`, so that a picture repeats to the last bit.
+    """
+
+    color: object  # vector of Int64, in units of `World.color_unit`
     generation: object  # UInt, the highest generation of rays that was traced
-    undecided: object  # UInt, 1 where any ray was undecided
+    doubt: object  # UInt, DECIDED, IN_DOUBT where any ray was undecided, NO_COLOR where any colour is not finite
 
     @staticmethod
     def blank(arrays, slots: int) -> Film:
-        film = Film(dr.zeros(arrays.Vector, slots), dr.zeros(arrays.UInt, slots), dr.zeros(arrays.UInt, slots))
-        dr.make_opaque(film.color, film.generation, film.undecided)
+        film = Film(dr.zeros(dr.int64_array_t(arrays.Vector), slots), dr.zeros(arrays.UInt, slots),
+                    dr.zeros(arrays.UInt, slots))
+        dr.make_opaque(film.color, film.generation, film.doubt)
         return film
 
     # Direct: the default mode depends on the film's size, and kernels with it
-    def add(self, wave: Wave, color) -> None:
-        dr.scatter_add(self.color, color * wave.weight, wave.slot, mode=dr.ReduceMode.Direct)
+    def add(self, world: World, color, weight, slot):
+        """Adds `color` times `weight`; returns where that is finite (Bool). What is not finite is not added."""
+        share = color * weight
+        finite = dr.isfinite(dr.sum(share))
+        units = dr.round(dr.float64_array_t(share)(share) * world.units_of_color)
+        dr.scatter_add(self.color, type(self.color)(dr.select(finite, units, 0)), slot, mode=dr.ReduceMode.Direct)
+        return finite
 
-    def note(self, wave: Wave, undecided, generation) -> None:
-        # rays of weight 0 pad the queue and belong to no pixel; those of one pixel all write the same
+    def note(self, wave: Wave, undecided, finite, generation) -> None:
+        # rays of weight 0 pad the queue and belong to no pixel; those of one pixel write the same generation
         traced = wave.weight > 0
-        dr.scatter(self.undecided, type(self.undecided)(1), wave.slot, traced & undecided)
+        doubt = dr.select(finite, type(self.doubt)(IN_DOUBT), NO_COLOR)
+        dr.scatter_reduce(dr.ReduceOp.Max, self.doubt, doubt, wave.slot, traced & (undecided | ~finite),
+                          mode=dr.ReduceMode.Direct)
         highest = dr.maximum(dr.gather(type(generation), self.generation, wave.slot, traced), generation)
         dr.scatter(self.generation, highest, wave.slot, traced)
 
@@ -127,6 +145,11 @@ class Parents:
         return [(weight, refracts) for weight, refracts in kinds if weight is not None]
 
 
+def row_bytes(objects: int) -> int:
+    """The bytes that a collision takes in `Parents`, in double precision, in a scene of that many objects."""
+    return 92 + 16 * -(-objects // BITS)
+
+
 @dataclass
 class Secondary:
     """The secondary rays that `queue` lists: rows of `parents`, REFRACTED added to those of refraction rays."""
@@ -153,6 +176,16 @@ class Secondary:
                     pick(arrays.UInt, parents.slot, active), refracted=through)
 
 
+@dataclass(frozen=True)
+class Advance:
+    """A wave has been traced."""
+
+    generation: int
+    rays: int
+    secondary: int  # rays that go on from it
+    share: float  # of the whole tree of waves, as far as it can be told; rises to 1
+
+
 class Wavefront:
     """Traces waves and all their descendants in one world.
 
@@ -166,22 +199,39 @@ class Wavefront:
         self.rays = 0
         self._recorded = dr.freeze(self._step, warn_after=1 << 30)
 
-    def trace(self, source: Source, count: int, slots: int, primary: bool = True) -> tuple[Film, Primary | None]:
+    def trace(self, source: Source, count: int, slots: int, primary: bool = True,
+              progress: Callable[[Advance], None] | None = None) -> tuple[Film, Primary | None]:
         """Traces the `count` rays of `source`, at most MOST_RAYS, and all their descendants.
 
-        Returns the film and, if `primary`, what the first rays met.
+        Returns the film and, if `primary`, what the first rays met. `progress` is called after every wave.
         """
         film = Film.blank(self.world.arrays, slots)
-        met, waves = None, [(0, source, count)]
+        met, waves, done = None, [(0, source, count, 1.0)], 0.0
+        held = [0] * (self.world.scene.tracing.max_depth + 1)  # collisions of each generation that are waited for
         while waves:
-            generation, source, count = waves.pop()
+            generation, source, count, share = waves.pop()
             self.rays += count
             parents, film, found = self._traced(source, film, generation, primary and met is None)
             met = met or found
+            queues = []
             if parents is not None:
-                waves += [(generation + 1, Secondary(parents, queue), dr.width(queue))
-                          for queue in self._queues(parents, generation + 1)]
+                held[generation] = count
+                queues = self._queues(parents, generation + 1, self._longest(sum(held[:generation + 1])))
+            lengths = [dr.width(queue) for queue in queues]
+            secondary = sum(lengths)
+            # as if in the generations to come as many rays went on: of each ray that many, of each of those again, ...
+            own = share / sum((secondary / count)**k for k in range(len(held) - generation))
+            waves += [(generation + 1, Secondary(parents, queue), length, (share - own) * length / secondary)
+                      for queue, length in zip(queues, lengths)]
+            done += own
+            if progress:
+                progress(Advance(generation, count, secondary, min(done, 1.0)))
         return film, met
+
+    def _longest(self, held: int) -> int:
+        """How many rays the next wave may have: half of the room that is left, so that any depth fits."""
+        row = row_bytes(self.world.object_count)
+        return min(MOST_RAYS, max(LEAST_PART, (MOST_HELD // row - held) // 2))
 
     def _traced(self, source: Source, film: Film, generation: int, primary: bool):
         last = generation == self.world.scene.tracing.max_depth
@@ -203,14 +253,13 @@ class Wavefront:
         world, watched = self.world, wave is not None
         wave = wave or source.wave(world, -1)
         collision = collide(world, wave.ray, active=wave.weight > 0)
-        film.add(wave, collision.color)
-        film.note(wave, collision.undecided, generation)
+        finite = film.add(world, collision.color, wave.weight, wave.slot)
+        film.note(wave, collision.undecided, finite, generation)
         parents = Parents.of(wave, collision)
         if last:  # beyond the last generation lies the background (decision D1)
             if any(world.scene.background):
                 for weight, _ in parents.weights:
-                    dr.scatter_add(film.color, world.arrays.Vector(*world.background) * weight, wave.slot,
-                                   mode=dr.ReduceMode.Direct)
+                    film.add(world, world.arrays.Vector(*world.background), weight, wave.slot)
             parents = None
         met = Primary.of(world, collision.hit, collision.point, collision.normal) if primary else None
         if watched:
@@ -221,14 +270,14 @@ class Wavefront:
         return (parents if parents and parents.weights else None), film, met
 
     # --- queues ----------------------------------------------------------------------------------------------------
-    def _queues(self, parents: Parents, generation: int) -> list:
-        """The secondary rays that go on, in arrays of at most MOST_RAYS rows; see `Secondary`."""
+    def _queues(self, parents: Parents, generation: int, most: int) -> list:
+        """The secondary rays that go on, in arrays of at most `most` rows; see `Secondary`."""
         least = self.world.least_weight(generation)
         queue = self._queue([(dr.compress(weight > least), refracts) for weight, refracts in parents.weights])
         length = dr.width(queue)
-        if length <= MOST_RAYS:
+        if length <= most:
             return [queue] if length else []
-        return [self._part(queue, start) for start in range(0, length, MOST_RAYS)]
+        return [self._part(queue, start, most) for start in range(0, length, most)]
 
     def _queue(self, chosen):
         """The rows of reflection rays, then those of refraction rays with REFRACTED added, in one array."""
@@ -247,10 +296,10 @@ class Wavefront:
         dr.eval(queue)
         return queue
 
-    def _part(self, queue, start: int):
-        """MOST_RAYS rows of `queue` from `start` on, or as many as there are, padded to two."""
+    def _part(self, queue, start: int, most: int):
+        """`most` rows of `queue` from `start` on, or as many as there are, padded to two."""
         arrays = self.world.arrays
-        lane = dr.arange(arrays.UInt, max(min(MOST_RAYS, dr.width(queue) - start), 2)) + arrays.count(start)
+        lane = dr.arange(arrays.UInt, max(min(most, dr.width(queue) - start), 2)) + arrays.count(start)
         there = lane < arrays.count(dr.width(queue))
         part = dr.select(there, dr.gather(arrays.UInt, queue, lane, there), NO_RAY)
         dr.eval(part)

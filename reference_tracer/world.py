@@ -15,6 +15,7 @@ from .families import Family, Member
 from .placement import is_inside
 from .rays import Hit, Ray, Sides
 from .scene.model import EFFECTS, Scene
+from .ties import Margin, first_of_tied
 
 
 @dataclass
@@ -36,11 +37,12 @@ class World:
         groups: dict[tuple, list[int]] = {}
         for index, obj in enumerate(scene.objects):
             own = (obj.first_hit.method, obj.first_hit.step_size or 0) if obj.first_hit else ("", 0)
-            groups.setdefault((obj.surface.family, own, obj.shadow), []).append(index)
+            groups.setdefault((obj.surface.family, obj.surface.sign_outside, own, obj.shadow), []).append(index)
         self.families = [
             Family(arrays, indices, [scene.objects[i] for i in indices],
                    first_hit.choose(method, scene.objects[indices[0]], scene.tracing, arrays))
             for _, indices in sorted(groups.items())]  # sorted: scenes with the same families share kernels
+        self.vouching = [f for f in self.families if f.method.vouches] if self.object_count > 1 else []
 
         materials = [o.material for o in scene.objects]
         self.reflective = any(m.reflection > 0 for m in materials)
@@ -96,8 +98,9 @@ class World:
 
     def camera_sides(self) -> Sides:
         """The side of every object the camera is on: the sign of f at its position (decision M3)."""
-        return Sides.from_flags(self.arrays.Bits,
-                                [is_inside(o, self.scene.camera.position) for o in self.scene.objects])
+        literal = lambda obj: (obj.first_hit.method if obj.first_hit else self.method) == "paper"
+        return Sides.from_flags(self.arrays.Bits, [is_inside(o, self.scene.camera.position, literal(o))
+                                                   for o in self.scene.objects])
 
     @cached_property
     def _generations(self):
@@ -113,6 +116,22 @@ class World:
         light = [sum(light.brightness[k] for light in self.scene.lights) for k in range(3)]
         return max(max(max(self.scene.background[k], *(o.material.color[k] * light[k] for o in self.scene.objects))
                        for k in range(3)), 1e-300)
+
+    @cached_property
+    def color_unit(self) -> float:
+        """The power of two of which films count colours in whole numbers (`Film`).
+
+        The n x n samples of a pixel add up to at most n^2 `_brightest` < 2^e. In units of 2^(e - 62) that stays below
+        2^62; the room up to 2^63 is for the rounding of weights and, half a unit a ray, of shares. Up to 16 x 16 samples
+        a unit is less than what fp64 rounds of the brightest colour, 2^-53 of it.
+        """
+        _, e = math.frexp(self._brightest * self.scene.tracing.samples**2)
+        return 2.0 ** max(e - 62, -1022)  # so that its reciprocal is finite
+
+    @cached_property
+    def units_of_color(self):
+        """1 / `color_unit`, as kernels read it (fp64 whatever the precision: single has no room for large powers)."""
+        return dr.opaque(dr.float64_array_t(self.arrays.Float), 1 / self.color_unit)
 
     @cached_property
     def _least_weights(self):
@@ -131,7 +150,7 @@ class World:
     def variables(self) -> list:
         """All arrays that kernels read of the world, for recordings of them."""
         canvas, axes, sides = self._camera
-        return [self.max_distance, self.background, self.light_count, self._material_columns, self._place_of_object,
+        return [self.max_distance, self.background, self.units_of_color, self.light_count, self._material_columns, self._place_of_object,
                 self._light_columns, [family.variables for family in self.families],
                 canvas.ratio, canvas.width, canvas.height, self.columns, axes, sides.words]
 
@@ -162,29 +181,52 @@ class World:
         usable = dr.isfinite(dr.squared_norm(ray.d))
         hit = Hit(t=Float(math.inf), order=dr.select(usable, self.max_distance, 0),
                   index=UInt(self.object_count), undecided=~usable)
+        state = hit.t, hit.order, hit.index, hit.undecided
+        if not self.vouching:
+            for family in self.families:
+                state = self._nearest_of(family, ray, state)
+            return Hit(*state)
+        margin, state = Margin(ray), (*state, Float(math.inf))
         for family in self.families:
-            hit = self._nearest_of(family, ray, hit)
+            state = self._nearest_of(family, ray, state, margin)
+        hit, second = Hit(*state[:4]), state[4]
+        close = (hit.index < self.object_count) & (second <= margin.end(hit.order))
+        hit.index, hit.undecided = first_of_tied(self.vouching, ray, hit, close)
         return hit
 
-    def _nearest_of(self, family: Family, ray: Ray, hit: Hit) -> Hit:
-        def step(member: Member, t, order, index, undecided):
-            c = family.method.first(member.solid, member.local(ray.o, ray.d), ray.sides.test(member.index), order)
-            closer = c.found & ((c.order < order) | ((c.order == order) & (c.t < t)))
+    def _nearest_of(self, family: Family, ray: Ray, state: tuple, margin: Margin | None = None) -> tuple:
+        """The nearer of the hit `state` and the first crossing with the family's objects; with it, where there is a
+        `margin`, the second smallest order."""
+        looks_beyond = margin is not None and family.method.vouches  # the literal method's limit is a sample of its own
+
+        def step(member: Member, t, order, index, undecided, *second):
+            limit = margin.end(order) if looks_beyond else order
+            c = family.method.first(member.solid, member.local(ray.o, ray.d), ray.sides.test(member.index), limit)
+            earlier = (c.t < t) | ((c.t == t) & (member.index < index))
+            closer = c.found & ((c.order < order) | ((c.order == order) & earlier))
+            if second:
+                larger = dr.maximum(order, dr.select(c.found, c.order, dr.inf))
+                second = (dr.minimum(second[0], larger),)
             return (dr.select(closer, c.t, t), dr.select(closer, c.order, order),
-                    dr.select(closer, member.index, index), undecided | c.undecided)
+                    dr.select(closer, member.index, index), undecided | c.undecided, *second)
 
         # the ray from within a solid starts within its ball: none is left out
-        return Hit(*family.fold(step, (hit.t, hit.order, hit.index, hit.undecided),
-                                lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order)))
+        return family.fold(step, state, lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order))
 
     def normal(self, point, index, active):
-        """grad f at `point` of object `index`, normalised; not yet turned against the ray."""
+        """grad f at `point` of object `index`, normalised; not yet turned against the ray.
+
+        NaN where the gradient is zero, not finite, or so small that underflow has taken digits of it.
+        """
         family_of, row_of = (dr.gather(self.arrays.UInt, column, index, active) for column in self._place_of_object)
         gradient = dr.zeros(self.arrays.Vector, dr.width(index))
         for k, family in enumerate(self.families):
             here = active & (family_of == k)
             gradient = dr.if_stmt((gradient,), here, lambda _: family.member(row_of, here).normal_at(point), lambda g: g)
-        return gradient / dr.norm(gradient)
+        # by its largest component first: the square of what is beyond 1e154 overflows
+        size = dr.max(dr.abs(gradient))
+        gradient /= size
+        return dr.select(size >= dr.smallest(self.arrays.Float), gradient / dr.norm(gradient), dr.nan)
 
     def light_through(self, ray: Ray, distance, active):
         """The part of a light's intensity that reaches the ray's origin from `distance` away (section 4.3.1, L3).

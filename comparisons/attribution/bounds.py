@@ -12,6 +12,7 @@ from functools import lru_cache
 import numpy as np
 from skimage.morphology import dilation
 
+from reference_tracer.errors import InputError
 from reference_tracer.render import UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
 from reference_tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, SAFETY, UNIT, perturbed
@@ -37,8 +38,15 @@ MESH = Accuracy(UNIT[32], color=1e-3, depth=1e-4, normal=4e-3, stray=5e-3)  # of
 
 
 def accuracy_of(pictures: list[Picture]) -> Accuracy:
-    """The accuracy of the least accurate of the renderers that made `pictures`, from what they tell of themselves."""
+    """The accuracy of the least accurate of the renderers that made `pictures`, from what they tell of themselves.
+
+    Raises InputError where that is not measurable.
+    """
     facts = [p.metadata for p in pictures]
+    for f in facts:
+        if f.get("measured_mesh_error", 0) is None:
+            raise InputError(f"how far {f['renderer']}'s meshes of {f['scene']} are from the surfaces is not measurable; "
+                             "attribution has nothing to hold it to")
     meshed = [float(f["measured_mesh_error"]) for f in facts if f.get("measured_mesh_error")]
     if meshed:
         return replace(MESH, unit=max(MESH.unit, max(meshed) / _moved_by_a_unit(pictures[0])))

@@ -124,7 +124,8 @@ class Counted:
 
     def __init__(self, base, counter):
         self.base, self.counter = base, counter
-        self.name, self.closed_form, self.variables = base.name, base.closed_form, base.variables
+        self.name, self.variables = base.name, base.variables
+        self.vouches, self.closed_form = base.vouches, base.closed_form
 
     def first(self, solid, ray, inside, limit) -> Crossing:
         crossing = self.base.first(solid, ray, inside, limit)

@@ -9,6 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from importlib import import_module
 from inspect import signature
+from typing import get_type_hints
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from reference_tracer.errors import InputError
 from reference_tracer.render import Picture
@@ -62,12 +65,33 @@ def find(name: str) -> Renderer:
     return RENDERERS[name]
 
 
+def parsed(name: str, settings: dict[str, str]) -> dict:
+    """Settings of renderer `name` as typed, each as the kind of value that its `render` says it takes. Raises InputError."""
+    from reference_tracer.scene.load import one_line
+
+    module = import_module(f"{__name__}.{find(name).module}")
+    kinds, found = get_type_hints(module.render, include_extras=True), {}
+    _require_known(name, module, settings)
+    for key, text in settings.items():
+        kind = TypeAdapter(kinds[key], config=ConfigDict(allow_inf_nan=False))
+        try:
+            found[key] = kind.validate_python(None if text in ("null", "None") and type(None) in getattr(
+                kinds[key], "__args__", ()) else text)
+        except ValidationError as error:
+            raise InputError(f"{name}, setting {key}={text[:60]}: {one_line(error).removeprefix('the scene: ')}") from None
+    return found
+
+
+def _require_known(name: str, module, settings) -> None:
+    known = set(signature(module.render).parameters) - {"scene"}
+    if unknown := sorted(set(settings) - known):
+        raise InputError(f"{name}: has no setting {unknown[0]!r}; it has {', '.join(sorted(known))}")
+
+
 def render(name: str, scene: Scene, settings: dict | None = None) -> Picture:
     """The picture that renderer `name` makes of `scene`. Raises InputError, and UnsupportedError with a reason."""
     renderer = find(name)
     module = import_module(f"{__name__}.{renderer.module}")
     chosen = {**renderer.settings, **(settings or {})}
-    known = set(signature(module.render).parameters) - {"scene"}
-    if unknown := sorted(set(chosen) - known):
-        raise InputError(f"{name}: has no setting {unknown[0]!r}; it has {', '.join(sorted(known))}")
+    _require_known(name, module, chosen)
     return module.render(scene, **chosen)

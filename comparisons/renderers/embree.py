@@ -15,6 +15,7 @@ import numpy as np
 
 from converters.embree import Crossings, EmbreeScene, convert
 from converters.embree.crossings import Start
+from converters.mesh import largest
 from reference_tracer.camera import canvas_point, frame
 from reference_tracer.placement import is_inside
 from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
@@ -39,7 +40,7 @@ def render(scene: Scene, *, resolution: int = 256) -> Picture:
     picture.metadata = {
         "scene": scene.name, "scene_hash": scene.hash, "renderer": "embree", "embreex": version("embreex"),
         "resolution": resolution, "triangles": converted.triangles,
-        "measured_mesh_error": max((solid.error for _, solid in solids), default=0.0),
+        "measured_mesh_error": largest(solid.error for _, solid in solids),
         "clipped": "; ".join(f"object {k}: {solid.clipped}" for k, solid in solids if solid.clipped),
         "rays": rays, "undecided pixels": int(np.sum(picture.status == UNDECIDED)),
         # nothing is compiled: the first is a warm one

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from converters.mesh import largest
 from converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
 from converters.mitsuba.crossings import OFFSET, Crossings, Hit, spawn
 from converters.mitsuba.shapes import native
@@ -52,7 +53,7 @@ def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: 
         "refined": refined,
         "native_shapes": sum(p.kind == "native" for p in converted.parts),
         "grids": sum(p.kind == "sdfgrid" for p in converted.parts),
-        "triangles": converted.triangles, "measured_mesh_error": max(p.error for p in converted.parts),
+        "triangles": converted.triangles, "measured_mesh_error": largest(p.error for p in converted.parts),
         "clipped": "; ".join(f"object {i}: {p.clipped}" for i, p in enumerate(converted.parts) if p.clipped),
         "camera_difference": tracer.camera_difference(), "rays": rays, "build": converted.seconds,
         "first": first, "warm": warm, "cpu": cpu}

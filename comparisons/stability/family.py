@@ -88,7 +88,8 @@ class Shape:
         box = None
         if self.box:
             box = tuple(arrays.Vector(*corner) for corner in self.box(**parameters))
-        return Solid(bind(self.f), bind(self.regular or self.f), bind(self.f) if self.degree is not None else None,
+        f = bind(self.f)
+        return Solid(f, bind(self.regular) if self.regular else f, f if self.degree is not None else None,
                      box, far_inside=arrays.Bool(False))
 
 

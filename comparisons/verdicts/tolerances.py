@@ -103,6 +103,13 @@ def largest_difference(run: Run) -> float | None:
     return (NUMERICAL if run.facts.get("isosurfaces") else ANALYTICAL) * max(1.0, run.facts.get("brightest", 1.0))
 
 
+def unmeasured(run: Run) -> str:
+    """Why a picture that keeps every limit proves nothing; "" where it does."""
+    if run.facts.get("measured_mesh_error", 0) is None:
+        return "every limit holds, but how far its meshes are from the surfaces is not measurable"
+    return ""
+
+
 def table() -> Iterator[Limit]:
     """All limits."""
     units = {"depth_p99": "relative", "color_p99": "linear", "failing_share": "of the pixels at 640 x 480",

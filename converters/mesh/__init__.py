@@ -2,6 +2,7 @@
 
 from .check import Check, check
 from .convert import mesh_object, mesh_to_error
+from .error import largest
 from .mesh import Mesh
 
-__all__ = ["Check", "Mesh", "check", "mesh_object", "mesh_to_error"]
+__all__ = ["Check", "Mesh", "check", "largest", "mesh_object", "mesh_to_error"]

@@ -7,15 +7,16 @@ import math
 import numpy as np
 
 from reference_tracer.errors import InputError
+from reference_tracer.reach import reach_in_frame
 from reference_tracer.scene.model import Object, Scene
 from reference_tracer.surfaces import Paraboloid, Plane
 
+from .error import kept, of_triangles, worst
 from .marching import march
 from .mesh import Mesh
 from .occupied import tight_box
 from .placed import Placed
 from .project import normals_at, project
-from .reach import reach_in_frame
 from .sheets import paraboloid_grid, plane_grid, plane_patch
 
 COARSE = 32  # resolution of the first guess of `mesh_to_error`
@@ -23,7 +24,7 @@ COARSEST = 4
 SPARE = 1.02  # asked of a prediction beyond what the law says, so that few need a second
 EXACT = 1e-6  # a mesh this far below the stated error is flat or empty, and no resolution changes it
 MOST_ROUNDS = 12
-SAMPLED_TRIANGLES = 100_000
+MEASURED = 100_000  # triangles, the most curved ones, where no error is asked for
 
 
 def mesh_object(obj: Object, scene: Scene, resolution: int = 256) -> Mesh:
@@ -35,17 +36,18 @@ def mesh_object(obj: Object, scene: Scene, resolution: int = 256) -> Mesh:
         raise InputError(f"a mesh needs a resolution of at least {COARSEST} cells; found {resolution}")
     placed = Placed(obj)
     vertices, faces, clipped = _triangles(placed, scene, resolution)
-    errors = interior_errors(placed, vertices, faces, SAMPLED_TRIANGLES)
-    return _placed_mesh(placed, vertices, faces, resolution, errors, clipped)
+    normals = normals_at(placed, vertices, faces)
+    errors = of_triangles(placed, vertices, worst(vertices, faces, normals, MEASURED))
+    return _placed_mesh(placed, vertices, faces, normals, resolution, errors, clipped)
 
 
 def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -> Mesh:
     """`obj` as the coarsest mesh whose triangles stay within `error` of the surface (in the scene's unit of length).
 
-    `share` of the points looked at, on all triangles, have to keep the error. On a smooth surface it falls with the
-    square of the resolution n: a first measurement e predicts n sqrt(e / error). At edges and tips it falls more
+    `share` of the points looked at (error.py), on all triangles, have to keep the error. On a smooth surface it falls with
+    the square of the resolution n: a first measurement e predicts n sqrt(e / error). At edges and tips it falls more
     slowly, so that later predictions take the order that the last two measurements show. Raises InputError where
-    memory does not suffice.
+    memory does not suffice, or where the error cannot be measured.
     """
     if not (math.isfinite(error) and error > 0):
         raise InputError(f"the geometric error of a mesh must be a positive number; found {error}")
@@ -55,37 +57,30 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
     before = None
     for _ in range(MOST_ROUNDS):
         vertices, faces, clipped = _triangles(placed, scene, resolution)
-        errors = interior_errors(placed, vertices, faces)
-        found = float(np.quantile(errors, share))
+        errors = of_triangles(placed, vertices, faces)
+        found = kept(errors, share, len(faces))
+        if math.isinf(found):
+            raise InputError(f"the error of a mesh of {obj.name or obj.surface.type} cannot be measured: around "
+                             f"{np.isinf(errors).mean():.2%} of its points f shows no change of sign; give a resolution, or "
+                             "ask the error of less than the whole surface (share)")
         if before is not None and found < before[1] and resolution > before[0]:
             order = min(2.5, max(0.5, math.log(before[1] / found) / math.log(resolution / before[0])))
         wanted = max(COARSEST, math.ceil(SPARE * resolution * (found / error) ** (1 / order)))
         if found <= error and wanted >= 0.9 * resolution or found <= EXACT * error:
-            return _placed_mesh(placed, vertices, faces, resolution, errors, clipped)
+            return _placed_mesh(placed, vertices, faces, normals_at(placed, vertices, faces), resolution, errors, clipped)
         before = resolution, found
         resolution = max(wanted, resolution + 1) if found > error else wanted
     raise InputError(f"a mesh of {obj.name or obj.surface.type} reaches an error of {found:.1g} at {before[0]} cells, "
                      f"not {error:.1g}; choose a larger error or ask it of less than the whole surface (share)")
 
 
-def interior_errors(placed: Placed, vertices, faces, most: int | None = None) -> np.ndarray:
-    """The distances (k,) of the triangles from the surface, at centroids and the middles of edges; [0] without faces.
-
-    `vertices` in the surface's own frame. `most` bounds the number of triangles looked at, evenly chosen.
-    """
-    a, b, c = vertices[faces[::max(1, -(-len(faces) // most)) if most else 1].T]
-    distances = placed.distance(np.concatenate([(a + b + c) / 3, (a + b) / 2, (b + c) / 2, (c + a) / 2]))
-    distances = distances[~np.isnan(distances)]
-    return distances if len(distances) else np.zeros(1)
-
-
 def _triangles(placed: Placed, scene: Scene, resolution: int) -> tuple[np.ndarray, np.ndarray, str]:
     """Vertices on f = 0 in the surface's own frame, faces, and what was clipped."""
     nothing = np.empty((0, 3)), np.empty((0, 3), np.int64), "no ray can reach it: left out"
-    surface, box = placed.surface, placed.box
-    if box is not None:
-        return *_marched(placed, box, resolution), ""
-    within = reach_in_frame(scene, placed)
+    surface, region = placed.surface, placed.region
+    if region is not None:
+        return *_marched(placed, region, resolution), placed.unproven
+    within = reach_in_frame(scene, placed.object)
     if isinstance(surface, Plane):
         patch = plane_patch(surface, within)
         if patch is None:
@@ -108,7 +103,7 @@ def _marched(placed: Placed, box, resolution: int):
     return project(placed, vertices, cell), faces
 
 
-def _placed_mesh(placed: Placed, vertices, faces, resolution: int, errors, clipped: str) -> Mesh:
-    residual = float(np.nanmax(placed.distance(vertices), initial=0.0))
-    return Mesh(placed.to_world(vertices), faces, placed.turned(normals_at(placed, vertices, faces)), resolution,
-                residual, float(errors.max()), float(np.quantile(errors, 0.99)), placed.box is not None, clipped)
+def _placed_mesh(placed: Placed, vertices, faces, normals, resolution: int, errors, clipped: str) -> Mesh:
+    found = float(placed.distance(vertices).max(initial=0.0)), float(errors.max()), kept(errors, 0.99, len(faces))
+    return Mesh(placed.to_world(vertices), faces, placed.turned(normals), resolution,
+                *(e if math.isfinite(e) else None for e in found), placed.box is not None, clipped)

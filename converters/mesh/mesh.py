@@ -19,11 +19,11 @@ class Mesh:
     faces: np.ndarray  # (m, 3) int64, indices of vertices
     normals: np.ndarray  # (n, 3) fp64, unit, grad f at the vertices: out of the solid
     resolution: int  # cells along the longest side
-    residual: float  # largest distance of a vertex from the surface
-    error: float  # largest distance of a triangle from the surface, measured at centroids and middles of edges
-    error_p99: float  # the distance that 99 % of those points keep: an edge or a tip of the surface does not touch it
+    residual: float | None  # largest distance of a vertex from the surface, to first order; None: not measurable
+    error: float | None  # an upper bound of the triangles' distance from the surface, see error.py; None: not measurable
+    error_p99: float | None  # what 99 % of the points looked at keep: an edge or a tip of the surface does not touch it
     closed: bool  # whether the surface is bounded, so that the mesh must be watertight
-    clipped: str  # what was cut off, in one sentence; empty for a bounded surface
+    clipped: str  # what was cut off or may have been, in one sentence; empty for a surface that is proven to be bounded
 
     @property
     def triangles(self) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 
 from reference_tracer.numbers import Dual
 from reference_tracer.scene.model import Object
-from reference_tracer.placement import rotation_matrix
+from reference_tracer.placement import corners_in_world, rotation_matrix
 
 CHUNK = 1 << 17  # points evaluated at once: bounds the memory of the derivatives
 
@@ -21,15 +21,26 @@ class Placed:
     """
 
     def __init__(self, obj: Object):
-        self.surface = obj.surface
+        self.object, self.surface = obj, obj.surface
         self._center = np.array(obj.surface.center)
         self._rotation = None if obj.rotation is None else rotation_matrix(obj.rotation)
 
     @cached_property
     def box(self) -> np.ndarray | None:
-        """(2, 3): low and high corner of the surface's box in its own frame; None if it is unbounded."""
+        """(2, 3): low and high corner of a box, in its own frame, that provably holds the surface; None without one."""
         box = self.surface.box()
         return None if box is None else np.array(box, float)
+
+    @cached_property
+    def region(self) -> np.ndarray | None:
+        """(2, 3): where to look for the surface: its box, or one that is promised and not proven."""
+        region = self.surface.region()
+        return None if region is None else np.array(region, float)
+
+    @property
+    def unproven(self) -> str:
+        """What to say of a region that is not proven to hold the surface; else ""."""
+        return "" if self.region is None or self.box is not None else "bounds not proven"
 
     def to_world(self, points):
         return self.turned(points) + self._center
@@ -42,8 +53,8 @@ class Placed:
         return moved if self._rotation is None else moved @ self._rotation
 
     def corners_in_world(self) -> np.ndarray:
-        """(8, 3): the corners of the box of a bounded surface."""
-        return self.to_world(corners(self.box))
+        """(8, 3): the corners of the region of a surface that has one."""
+        return corners_in_world(self.object, self.region)
 
     def values(self, x, y, z):
         """The regular form, negative inside, on broadcast coordinates; NaN counts as outside (decision M7)."""
@@ -68,10 +79,3 @@ class Placed:
         values, gradients = self.gradient(points)
         with np.errstate(all="ignore"):
             return np.abs(values) / np.linalg.norm(gradients, axis=1)
-
-
-def corners(box) -> np.ndarray:
-    """(8, 3): the corners of the box [low, high]."""
-    low, high = box
-    return np.array([[(low, high)[i][0], (low, high)[j][1], (low, high)[k][2]]
-                     for i in (0, 1) for j in (0, 1) for k in (0, 1)])

@@ -47,7 +47,7 @@ class Crossings:
         self.index_of_shape = mi.UInt32(converted.index_of_shape)
         self.transparency = mi.Float([o.material.transparency for o in scene.objects])
         self.max_distance = dr.opaque(mi.Float, scene.tracing.max_distance)
-        meshes = {k: part.error for k, part in enumerate(converted.parts) if part.kind == "mesh"}
+        meshes = {k: part.error for k, part in enumerate(converted.parts) if part.kind == "mesh" and part.error is not None}
         self.refinement = Refinement(scene.objects, meshes) if refined else None
 
     def _meet(self, o, d, limit, sides: Sides, active):

@@ -17,8 +17,8 @@ FEWEST, MOST = 8, 384  # cells along a side: more take minutes and gigabytes
 LARGEST = 1e30  # fp32 holds it
 
 
-def grid(placed: Placed, resolution: int) -> tuple[mi.Shape, float]:
-    """The surface of `placed`, which must be bounded, and the largest distance measured between shape and surface.
+def grid(placed: Placed, resolution: int) -> tuple[mi.Shape, float | None]:
+    """The surface of `placed`, which must have a region, and the largest distance measured between shape and surface.
 
     A grid must not be turned, so that its axes are the world's. Mitsuba 3.9.1 misses grids with different numbers of
     cells along x and z: there are `resolution` along every side of the box, and one more at each end. Raises InputError
@@ -48,8 +48,10 @@ def _sampled(placed: Placed, axes: np.ndarray) -> np.ndarray:
     return np.clip(values, -LARGEST, LARGEST)
 
 
-def _error(placed: Placed, values: np.ndarray, axes: np.ndarray) -> float:
-    """The largest distance at the middle of cells that the surface passes through, to first order."""
+def _error(placed: Placed, values: np.ndarray, axes: np.ndarray) -> float | None:
+    """The largest distance at the middle of cells that the surface passes through, to first order; None where it is
+    not measurable, without a gradient.
+    """
     inside = values < 0
     ends = [np.s_[i:i - 1 or None, j:j - 1 or None, k:k - 1 or None] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
     count = sum(inside[end].astype(np.int8) for end in ends)
@@ -58,4 +60,5 @@ def _error(placed: Placed, values: np.ndarray, axes: np.ndarray) -> float:
     exact, gradients = placed.gradient(placed.to_own_frame(points))
     interpolated = sum(values[end][crossed] for end in ends) / 8
     with np.errstate(all="ignore"):
-        return float(np.nanmax(np.abs(interpolated - exact) / np.linalg.norm(gradients, axis=1), initial=0.0))
+        largest = float(np.max(np.abs(interpolated - exact) / np.linalg.norm(gradients, axis=1), initial=0.0))
+    return largest if np.isfinite(largest) else None

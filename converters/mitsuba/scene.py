@@ -27,7 +27,8 @@ class Part:
 
     kind: str  # one of SHAPES, or "nothing" where no ray can meet it
     triangles: int
-    error: float  # largest distance between shape and surface, before Mitsuba rounds it to fp32
+    error: float | None  # an upper bound of the distance between a mesh and the surface (of a grid, the largest one
+    # found), before Mitsuba rounds it to fp32; None: not measurable
     clipped: str  # what was cut off, see Mesh
 
 
@@ -62,11 +63,11 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
     made, parts = {}, []
     for index, obj in enumerate(scene.objects):
         placed = Placed(obj)
-        gridded = shapes == "sdfgrid" and placed.box is not None
+        gridded = shapes == "sdfgrid" and placed.region is not None
         exact = native(obj, scene) if shapes != "mesh" and not gridded else None
         if gridded:
             shape, distance = grid(placed, resolution)
-            part = Part("sdfgrid", 0, distance, "")
+            part = Part("sdfgrid", 0, distance, placed.unproven)
         elif exact:
             shape, part = exact[0], Part("native", 0, 0.0, exact[1])
         else:

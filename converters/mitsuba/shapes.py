@@ -6,8 +6,8 @@ import numpy as np
 
 from converters.mesh import Mesh
 from converters.mesh.placed import Placed
-from converters.mesh.reach import reach_in_frame
 from converters.mesh.sheets import Patch, plane_patch
+from reference_tracer.reach import reach_in_frame
 from reference_tracer.scene.model import Object, Scene
 from reference_tracer.surfaces import Plane, Sphere
 
@@ -28,7 +28,7 @@ def native(obj: Object, scene: Scene, dress: dict | None = None) -> tuple[mi.Sha
                                  "flip_normals": s.inside == "positive", **dress}), ""
         case Plane() as s:
             placed = Placed(obj)
-            patch = plane_patch(s, reach_in_frame(scene, placed))
+            patch = plane_patch(s, reach_in_frame(scene, obj))
             return (_rectangle(placed, patch, dress), patch.clipped) if patch else None
     return None
 

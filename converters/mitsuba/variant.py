@@ -3,11 +3,12 @@
 Both Mitsuba and Dr.Jit are imported from here, because whoever imports Dr.Jit first settles which LLVM it loads.
 """
 
-import reference_tracer  # noqa: F401  points Dr.Jit at a good LLVM; must come first
+from reference_tracer import llvm  # points Dr.Jit at a good LLVM; must come first
 
 import drjit as dr  # isort: skip
 import mitsuba as mi  # isort: skip
 
+llvm.require()
 mi.set_variant("llvm_ad_rgb")
 
 __all__ = ["dr", "mi"]

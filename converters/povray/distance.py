@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from converters.mesh.placed import Placed, corners
-from converters.mesh.reach import reach
+from converters.mesh.placed import Placed
+from reference_tracer.placement import corners
+from reference_tracer.reach import reach
 from reference_tracer.scene.model import Object, Scene
 from reference_tracer.surfaces import Plane
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from converters.mesh.placed import Placed, corners
-from converters.mesh.reach import reach
+from converters.mesh.placed import Placed
 from reference_tracer.errors import UnsupportedError
-from reference_tracer.placement import is_inside
+from reference_tracer.placement import corners, is_inside
+from reference_tracer.reach import reach
 from reference_tracer.scene.model import Object, Scene
 
 from .cells import enclosed, holds_everywhere

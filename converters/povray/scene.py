@@ -9,10 +9,10 @@ import numpy as np
 
 from converters.mesh.occupied import tight_box
 from converters.mesh.placed import Placed
-from converters.mesh.reach import reach_in_frame
 from reference_tracer.camera import frame
 from reference_tracer.errors import InputError, UnsupportedError
 from reference_tracer.placement import is_inside
+from reference_tracer.reach import reach_in_frame
 from reference_tracer.scene.model import Object, Scene
 
 from . import materials, passes, shapes
@@ -145,7 +145,7 @@ def convert(scene: Scene, shapes: str = "native", accuracy: float = ACCURACY) ->
     from_camera_only = starts is not None and bool(np.all(starts[0] == starts[1]))
     as_isosurface = []
     for k, obj in enumerate(scene.objects):
-        bounded = obj.surface.box() is not None
+        bounded = obj.surface.region() is not None
         if shapes == "native" or not (bounded or from_camera_only):  # beyond max_distance only native ones end
             if _has_native(obj):
                 continue
@@ -158,7 +158,8 @@ def convert(scene: Scene, shapes: str = "native", accuracy: float = ACCURACY) ->
     proven = frozenset(k for k, (_, is_proof) in gradients.items() if is_proof)
     brightest = max(*(sum(light.brightness[c] for light in scene.lights) for c in range(3)), *scene.background) or 1.0
     goes_on = any(o.material.reflection or o.material.transparency for o in scene.objects)
-    remarks = [far_shadows(scene)]
+    remarks = [far_shadows(scene), *(f"{_name(scene.objects[k])}: {told}" for k in as_isosurface
+                                     if (told := Placed(scene.objects[k]).unproven))]
     if not from_camera_only:
         remarks += [f"{_name(scene.objects[k])} may be seen from farther than max_distance" for k in as_isosurface
                     if not within_distance(scene, scene.objects[k])]
@@ -196,7 +197,7 @@ def _container(scene: Scene, obj: Object) -> np.ndarray | None:
     own = shapes.own_container(placed)
     if own is not None:
         return own
-    tight = tight_box(placed, reach_in_frame(scene, placed))
+    tight = tight_box(placed, reach_in_frame(scene, obj))
     # a flat surface fits a box without any thickness, in which no root can be bracketed
     return None if tight is None else tight + FLAT * np.max(tight[1] - tight[0]) * np.array([[-1], [1]])
 

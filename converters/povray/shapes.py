@@ -53,10 +53,10 @@ def isosurface(obj: Object, scale: float, container: np.ndarray, accuracy: float
 
 
 def own_container(placed: Placed) -> np.ndarray | None:
-    """(2, 3): a box that holds all of a bounded surface with room to spare."""
-    if placed.box is None:
+    """(2, 3): the region of a surface that has one, with room to spare."""
+    if placed.region is None:
         return None
-    low, high = placed.box
+    low, high = placed.region
     margin = MARGIN * (high - low)
     return np.stack([low - margin, high + margin])
 

@@ -100,6 +100,12 @@ class Text:
     def log(self):
         return self._called("ln")
 
+    def power(self, exponent):
+        return self._called("pow", exponent)
+
+    def power_of(self, base):
+        return Text.of(base).power(self)
+
     def absolute(self):
         return self._called("abs")
 

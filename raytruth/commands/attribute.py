@@ -16,7 +16,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from .render import size
+from ..arguments import require_folder, resized, size, whole
 
 
 def add_arguments(parser):
@@ -27,15 +27,14 @@ def add_arguments(parser):
     parser.add_argument("--size", metavar="WxH", type=size, default=(320, 240), help="picture size (default 320x240)")
     parser.add_argument("--wrong-on-purpose", action="store_true", help="put every fault before every judge")
     parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
-    parser.add_argument("--jobs", metavar="N", type=int, default=2, help="attributions made at the same time (default 2)")
+    parser.add_argument("--jobs", metavar="N", type=whole(1, 1024), default=2, help="attributions made at the same time (default 2)")
     parser.add_argument("--json", action="store_true", help="print the document")
 
 
 def run(arguments) -> int:
     from reference_tracer.errors import InputError
 
-    if arguments.jobs < 1:
-        raise InputError(f"--jobs: must be at least 1; found {arguments.jobs}")
+    require_folder(arguments.results if arguments.wrong_on_purpose else None)
     if arguments.wrong_on_purpose:
         if arguments.scene or arguments.renderer or arguments.fault:
             raise InputError("--wrong-on-purpose: has scenes, judges and faults of its own; name none")
@@ -46,19 +45,12 @@ def run(arguments) -> int:
 
 
 def _one(arguments) -> int:
-    from pydantic import ValidationError
-
     from comparisons.attribution import side
     from comparisons.attribution.attribute import attribute
     from comparisons.progress import Progress
-    from reference_tracer.errors import InputError
     from reference_tracer.scene.library import find
-    from reference_tracer.scene.load import one_line
 
-    try:
-        scene = find(arguments.scene).resized(*arguments.size)
-    except ValidationError as error:
-        raise InputError(f"--size: {one_line(error)}") from None
+    scene = resized(find(arguments.scene), arguments.size)
     if arguments.fault is not None:
         a, b = side.of_renderer(arguments.renderer), side.of_fault(arguments.fault)
     else:

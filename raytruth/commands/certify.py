@@ -5,42 +5,57 @@ examples:
   raytruth certify                                        every shipped scene
   raytruth certify my-scene.json --method interval --sample 5000 --paths 50
   raytruth certify figure-09-heart --method paper         how often does the document's own method fail?
+  raytruth certify --random 1000 --seed 1                 a thousand random scenes of one object, against 60 digits
 
 Every ray of the picture (camera, reflection, refraction and shadow rays) is decided once more by outward-rounded
 interval arithmetic: a proof. python-flint decides a sample of them exactly, tangency included, half of it at
 silhouettes and shadow edges. A few whole pixels are recomputed with 77 digits. The exit code is 1 if anything
 contradicts.
+
+With --random no scene is given: scene K of the random ones is drawn from the seed K, rendered, and sixteen of its pixels
+are held against python-flint's numbers of 60 digits, which share no line of code with the tracer. Scenes that fail are
+written to the folder of -o. The exit code is 1 if a decided pixel is wrong, a scene cannot be rendered, or more than 1 %
+of a kind's hits are undecided although the 60 digits decide them; pairs of objects at one distance and formulas that are
+not defined everywhere may stay undecided.
 """
 
 from __future__ import annotations
 
 import json
+import sys
+from pathlib import Path
 
-from .render import size
+from ..arguments import resized, size, whole
 
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of files (default: all shipped)")
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
     parser.add_argument("--method", default="exact", help="the first-hit method to certify (default exact)")
-    parser.add_argument("--sample", type=int, default=1000, metavar="N", help="rays to decide exactly (default 1000)")
-    parser.add_argument("--paths", type=int, default=16, metavar="N", help="pixels to recompute (default 16)")
-    parser.add_argument("--threads", type=int, metavar="N", help="threads to use (default: all cores)")
+    parser.add_argument("--sample", type=whole(0), default=1000, metavar="N", help="rays to decide exactly (default 1000)")
+    parser.add_argument("--paths", type=whole(0), default=16, metavar="N", help="pixels to recompute (default 16)")
+    parser.add_argument("--threads", type=whole(1, 1024), metavar="N", help="threads to use (default: all cores)")
     parser.add_argument("--json", action="store_true", help="print a JSON list for programs")
+    parser.add_argument("--random", type=int, metavar="N", help="certify N random scenes instead, those of the seeds "
+                                                                "--seed, --seed + 1, ...")
+    parser.add_argument("--seed", type=int, default=0, metavar="K", help="the first random scene (default 0)")
+    parser.add_argument("--jobs", type=int, default=2, metavar="J", help="random scenes at a time (default 2)")
+    parser.add_argument("-o", "--results", type=Path, metavar="DIR", default=Path("results/random"),
+                        help="folder for random scenes that fail (default results/random)")
 
 
 def run(arguments) -> int:
+    return _run(arguments) if arguments.random is None else _run_random(arguments)
+
+
+def _run(arguments) -> int:
     from comparisons.progress import Progress
     from reference_tracer.certify import certify
     from reference_tracer.certify.text import told
-    from reference_tracer.errors import InputError
     from reference_tracer.scene import library
 
-    for name in ("sample", "paths"):
-        if getattr(arguments, name) < 0:
-            raise InputError(f"--{name}: must not be negative; found {getattr(arguments, name)}")
     scenes = [library.find(name) for name in arguments.scene or library.names()]
-    scenes = [_sized(scene, arguments.size) for scene in scenes]
+    scenes = [resized(scene, arguments.size) for scene in scenes]
     certificates, bar = [], Progress(len(scenes))
     for k, scene in enumerate(scenes):
         def show(stage: str, share: float, done=k, name=scene.name):
@@ -60,16 +75,64 @@ def run(arguments) -> int:
     return 0 if all(c.passed for c in certificates) else 1
 
 
-def _sized(scene, size):
-    from pydantic import ValidationError
-
+def _run_random(arguments) -> int:
+    from comparisons.progress import Progress
+    from comparisons.random_scenes import grammar, suite
     from reference_tracer.errors import InputError
-    from reference_tracer.scene.load import one_line
 
+    if arguments.scene:
+        raise InputError("--random draws its scenes: name none")
+    for name, low, high in (("random", 1, 10_000_000), ("seed", 0, 10**12), ("jobs", 1, 64)):
+        if not low <= getattr(arguments, name) <= high:
+            raise InputError(f"--{name}: must be {low} to {high}; found {getattr(arguments, name)}")
+    totals, bar = {}, Progress(arguments.random, label="random scenes")
     try:
-        return scene.resized(*size) if size else scene
-    except ValidationError as error:
-        raise InputError(f"--size: {one_line(error)}") from None
+        for answer in suite.run(arguments.random, arguments.seed, arguments.jobs, arguments.method):
+            totals.setdefault(answer.kind, suite.Total()).add(answer)
+            if not suite.Total.of(answer).holds(answer.kind):
+                bar.close()
+                _tell_failure(answer, grammar.draw(answer.seed).scene, arguments)
+            bar.step()
+    except KeyboardInterrupt:
+        done = sum(t.scenes for t in totals.values())
+        bar.close()
+        print(f"stopped after {done} scenes; go on with --random {arguments.random - done} --seed {arguments.seed + done}")
+    bar.close()
+    if arguments.json:
+        print(json.dumps({kind: {**vars(total), "counts": dict(total.counts)} for kind, total in totals.items()}, indent=1))
+    else:
+        print(_table(totals))
+    return int(not all(total.holds(kind) for kind, total in totals.items()))
+
+
+def _tell_failure(answer, scene: dict, arguments) -> None:
+    """One line for a scene that fails alone, with the command that repeats it; the scene goes to a file."""
+    arguments.results.mkdir(parents=True, exist_ok=True)
+    path = arguments.results / f"random-{answer.seed}.json"
+    path.write_text(json.dumps(scene, indent=1))
+    undecided = f"{answer.counts.get('avoidable_hits')} of {answer.counts.get('hits')} hits undecided"
+    what = answer.fault or (f"{len(answer.wrong)} wrong, e.g. {answer.wrong[0]}" if answer.wrong else undecided)
+    method = "" if arguments.method == "exact" else f" --method {arguments.method}"
+    print(f"{answer.kind} ({', '.join(answer.traits)}): {what}; repeat: raytruth certify --random 1 --seed {answer.seed}{method}; "
+          f"scene: {path}", file=sys.stderr if arguments.json else sys.stdout, flush=True)
+
+
+def _table(totals) -> str:
+    from comparisons.random_scenes.suite import Total
+
+    whole = Total()
+    for total in totals.values():
+        whole.scenes, whole.faults, whole.wrong = (whole.scenes + total.scenes, whole.faults + total.faults,
+                                                   whole.wrong + total.wrong)
+        whole.counts.update(total.counts)
+    lines = [f"{'random scenes':<22}{'scenes':>8}{'failed':>8}{'pixels':>9}{'hits':>9}{'wrong':>8}{'undecided':>11}"
+             f"{'avoidable':>11}{'untold':>8}"]
+    for kind, t in [*sorted(totals.items()), ("all", whole)]:
+        c = t.counts
+        lines.append(f"{kind:<22}{t.scenes:>8,}{t.faults:>8,}{c['pixels']:>9,}{c['hits']:>9,}{t.wrong:>8,}"
+                     f"{c['undecided_hits'] / max(c['hits'], 1):>11.2%}{t.undecided:>11.2%}{c['unsettled']:>8,}")
+    return "\n".join([*lines, "", "hits and their undecided share; avoidable: the oracle knows these; untold: pixels that "
+                      "the oracle cannot tell"])
 
 
 def _summary(certificates) -> str:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from .render import size
+from ..arguments import number, require_folder, size, whole
 
 
 def add_arguments(parser):
@@ -26,8 +26,8 @@ def add_arguments(parser):
                         help="this study of growth, and no scene unless named (repeatable)")
     parser.add_argument("--size", metavar="WxH", type=size, default=(320, 240),
                         help="of the pictures (default 320x240)")
-    parser.add_argument("--turns", type=int, default=3, metavar="N", help="timed runs of each point (default 3)")
-    parser.add_argument("--limit", type=float, metavar="SECONDS",
+    parser.add_argument("--turns", type=whole(1, 1000), default=3, metavar="N", help="timed runs of each point (default 3)")
+    parser.add_argument("--limit", type=number(0.1, 1e6), metavar="SECONDS",
                         help="time limit of one run (default 30; with --full 120)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for chart.json (default: results, if nothing was chosen)")
@@ -42,13 +42,14 @@ def run(arguments) -> int:
     from reference_tracer.errors import InputError
 
     limit = arguments.limit if arguments.limit is not None else 120.0 if arguments.full else 30.0
-    for name, value, low in (("turns", arguments.turns, 1), ("limit", limit, 0.1), ("size", min(arguments.size), 8)):
-        if not value >= low:
-            raise InputError(f"--{name}: must be at least {low}; found {value}")
+    if not 8 <= min(arguments.size) or arguments.size[0] * arguments.size[1] > 1 << 24:
+        raise InputError(f"--size: sides must be at least 8 and all pixels at most {1 << 24}; found "
+                         f"{arguments.size[0]}x{arguments.size[1]}")
     studies = find(arguments.growth, arguments.full) if arguments.growth or not arguments.scene else ()
     charted = subjects.chosen(arguments.scene, arguments.full, arguments.size) \
         if arguments.scene or not arguments.growth else []
     folder = arguments.results or Path("results")
+    require_folder(folder)
     with Cases() as progress:
         chart = suite.run(charted, studies, suite.Options(folder, arguments.full, arguments.turns, limit,
                                                           patience=30.0 if arguments.full else 0.5, progress=progress))

@@ -16,15 +16,17 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+from ..arguments import number, require_folder, whole
+
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
     parser.add_argument("--renderers", metavar="A,B", help="compare these (default: paper, mitsuba-native, mitsuba-mesh, embree, povray)")
     parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
-    parser.add_argument("--largest", metavar="PIXELS", type=int, default=640,
+    parser.add_argument("--largest", metavar="PIXELS", type=whole(8, 16384), default=640,
                         help="scenes with a longer side are compared at this size (default 640)")
-    parser.add_argument("--limit", metavar="SECONDS", type=float, default=300.0, help="time limit of one run (default 300)")
-    parser.add_argument("--jobs", metavar="N", type=int, default=2, help="runs made at the same time (default 2)")
+    parser.add_argument("--limit", metavar="SECONDS", type=number(0.1, 1e6), default=300.0, help="time limit of one run (default 300)")
+    parser.add_argument("--jobs", metavar="N", type=whole(1, 1024), default=2, help="runs made at the same time (default 2)")
     parser.add_argument("--no-studies", action="store_true", help="leave out the sweeps of resolution and step size")
     parser.add_argument("--fresh", action="store_true", help="drop what the results say of other scenes and renderers")
     parser.add_argument("--json", action="store_true", help="print the results document")
@@ -39,9 +41,6 @@ def run(arguments) -> int:
     from reference_tracer.errors import InputError
     from reference_tracer.scene import library
 
-    for name, value, low in (("largest", arguments.largest, 8), ("limit", arguments.limit, 0.1), ("jobs", arguments.jobs, 1)):
-        if not value >= low:
-            raise InputError(f"--{name}: must be at least {low}; found {value}")
     chosen = tuple(arguments.renderers.split(",")) if arguments.renderers else COMPARED
     for name in chosen:
         renderers.find(name)
@@ -49,6 +48,7 @@ def run(arguments) -> int:
     names = Counter(scene.name for scene in scenes)
     if twice := [name for name, count in names.items() if count > 1]:
         raise InputError(f"two scenes are named {twice[0]!r}; give each its own \"name\"")
+    require_folder(arguments.results)
     with Cases() as progress:
         results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
                                           limit=arguments.limit, jobs=arguments.jobs, progress=progress,

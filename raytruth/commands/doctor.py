@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from dataclasses import asdict, dataclass
@@ -25,6 +26,8 @@ class Finding:
     remedy: str = ""
     required: bool = True
 
+
+SECONDS, PROBE_SECONDS = 20, 120  # in which a program answers, and a library does its work
 
 # Each probe runs in a process of its own: a wrong LLVM aborts the process that loads it.
 _PROBE_LLVM = """
@@ -112,21 +115,41 @@ def _program(name: str, names: tuple[str, ...], install: str, use: str) -> Findi
     if path is None:
         return Finding(name, False, "not found", f"optional, {use}: {install}", required=False)
     try:
-        process = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=20)
-        line = next((line for line in (process.stdout + process.stderr).splitlines() if re.search(r"\d\.\d", line)), "")
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return Finding(name, False, f"{path} does not start ({type(error).__name__})", f"optional, {use}: {install}",
+        _, said = _answer([path, "--version"], SECONDS)
+    except subprocess.TimeoutExpired:
+        return Finding(name, False, f"{path} gave no answer within {SECONDS} s", f"optional, {use}: {install}", required=False)
+    except OSError as error:
+        return Finding(name, False, f"{path} does not start ({error.strerror or error})", f"optional, {use}: {install}",
                        required=False)
-    return Finding(name, True, f"{line.strip()[:60]}, {path}", required=False)
+    version = re.search(rf"^\s*(?:\S+ )?{re.escape(name)}(?: version)? (\d+(?:\.\w+)+)", said, re.MULTILINE | re.IGNORECASE) \
+        or re.search(r"^\s*Google Chrome (\d+(?:\.\w+)+)", said, re.MULTILINE)
+    if not version:
+        return Finding(name, False, f"{path} does not say that it is {name}", f"optional, {use}: {install}", required=False)
+    return Finding(name, True, f"{version[1]}, {path}", required=False)
+
+
+def _answer(command: list[str], seconds: float) -> tuple[int, str]:
+    """Exit code and all that `command` said, within a time. Whatever it started ends with it.
+
+    Raises OSError and TimeoutExpired.
+    """
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          start_new_session=True) as process:
+        try:
+            said, _ = process.communicate(timeout=seconds)
+        finally:
+            try:
+                os.killpg(process.pid, signal.SIGKILL)
+            except (ProcessLookupError, PermissionError):
+                pass
+    return process.returncode, said.decode(errors="replace")
 
 
 def _probe(program: str) -> tuple[str, str | None]:
     """(last line printed, None), or ("", what went wrong)."""
     try:
-        process = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+        code, said = _answer([sys.executable, "-c", program], PROBE_SECONDS)
     except subprocess.TimeoutExpired:
-        return "", "gave no answer within 120 s"
-    if process.returncode:
-        last = [line for line in process.stderr.splitlines() if line.strip()][-1:] or ["no message"]
-        return "", f"the probe ended with code {process.returncode} ({last[0].strip()[:120]})"
-    return process.stdout.strip().splitlines()[-1], None
+        return "", f"gave no answer within {PROBE_SECONDS} s"
+    last = ([line.strip() for line in said.splitlines() if line.strip()] or ["no message"])[-1]
+    return ("", f"the probe ended with code {code} ({last[:120]})") if code else (last, None)

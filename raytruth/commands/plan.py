@@ -19,20 +19,20 @@ import json
 import sys
 from pathlib import Path
 
-from .render import size
+from ..arguments import number, require_file, require_folder, resized, size
 
 LEAST, MOST = 1e-9, 1.0  # tolerances
 
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of files (default: every figure's)")
-    parser.add_argument("--tolerance", type=float, default=1e-3, metavar="T",
+    parser.add_argument("--tolerance", type=number(LEAST, MOST), default=1e-3, metavar="T",
                         help="largest difference of any channel of a pixel (default 1e-3)")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE.json", help="write the planned scene (of one scene)")
     parser.add_argument("--results", type=Path, metavar="DIR",
                         help="folder whose plan.json gets the plans (default: results, if no scene is named)")
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
-    parser.add_argument("--limit", type=float, default=60.0, metavar="S", help="seconds to decide in (default 60)")
+    parser.add_argument("--limit", type=number(1, 3600), default=60.0, metavar="S", help="seconds to decide in (default 60)")
     parser.add_argument("--with-mesh", action="store_true", help="find the mesh resolution at which Mitsuba is as good")
     parser.add_argument("--json", action="store_true", help="print the document")
 
@@ -68,25 +68,15 @@ def run(arguments) -> int:
 
 
 def _scenes(arguments):
-    from pydantic import ValidationError
-
     from reference_tracer.errors import InputError
     from reference_tracer.scene import library
-    from reference_tracer.scene.load import one_line
 
-    if not LEAST <= arguments.tolerance <= MOST:
-        raise InputError(f"--tolerance: must be {LEAST:g} to {MOST:g}; found {arguments.tolerance:g}")
-    if not 1 <= arguments.limit <= 3600:
-        raise InputError(f"--limit: must be 1 to 3600 seconds; found {arguments.limit:g}")
     if arguments.output and len(arguments.scene) != 1:
         raise InputError("--output: holds one planned scene; name one scene to plan")
-    if arguments.output and (arguments.output.suffix != ".json" or not arguments.output.parent.is_dir()):
-        raise InputError(f"{arguments.output}: must end in .json and lie in an existing folder")
+    require_file(arguments.output, ".json")
+    require_folder(arguments.results)
     scenes = [library.find(name) for name in arguments.scene or library.names()]
-    try:
-        return [scene.resized(*arguments.size) if arguments.size else scene for scene in scenes]
-    except ValidationError as error:
-        raise InputError(f"--size: {one_line(error)}") from None
+    return [resized(scene, arguments.size) for scene in scenes]
 
 
 def _write(planned: dict, path: Path) -> None:

@@ -7,56 +7,69 @@ examples:
   raytruth render figure-07-torus -o torus.npz --with mitsuba-mesh --set resolution=128
 
 PNG holds the 8-bit picture; EXR all planes (colour, depth, position, normal, object, status) as floats; NPZ all
-planes in full double precision.
+planes in full double precision. A picture that takes long is told what it will take before the work starts.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
-import sys
+import time
 from pathlib import Path
+
+from .. import memory
+from ..arguments import size, whole
+
+MUCH = 1 << 22  # rays or steps at most: less than that takes a few seconds at most, and is not estimated
+MANY_KINDS = 16  # of surfaces: more take long to compile
+LONG = 3.0  # seconds from which on an estimate is told
+COPIES = {".png": 3, ".exr": 160, ".npz": 0}  # bytes a pixel that writing a file takes
+OF_OURS = ("method", "precision", "device", "threads", "memory")
 
 
 def add_arguments(parser):
     parser.add_argument("scene", help="name of a shipped scene or path of a scene file")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="ends in .png, .exr or .npz")
-    parser.add_argument("--method", default="exact", help="first-hit method: exact (default), paper, descartes, interval, proof")
+    parser.add_argument("--method", help="first-hit method: exact (default), paper, descartes, interval, proof")
     parser.add_argument("--with", dest="renderer", metavar="RENDERER",
-                        help="another renderer: mitsuba-native or mitsuba-mesh")
+                        help="another renderer, e.g. mitsuba-native, mitsuba-mesh, embree or povray")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="KEY=VALUE",
                         help="a setting of that renderer, e.g. resolution=128")
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
-    parser.add_argument("--samples", type=int, metavar="N", help="N x N samples a pixel instead of the scene's")
+    parser.add_argument("--samples", type=whole(-1), metavar="N", help="N x N samples a pixel instead of the scene's")
     parser.add_argument("--step-size", type=float, metavar="H", help="step size instead of the scene's")
     parser.add_argument("--precision", type=int, choices=(64, 32), help="bits of the floats (default: the scene's, 64)")
-    parser.add_argument("--device", choices=("llvm", "cuda"), default="llvm", help="processor (default) or graphics card")
-    parser.add_argument("--threads", type=int, metavar="N", help="threads to use (default: all cores)")
+    parser.add_argument("--device", choices=("llvm", "cuda"), help="processor (llvm, default) or graphics card (cuda)")
+    parser.add_argument("--threads", type=whole(-1), metavar="N", help="threads to use (default: all cores)")
+    memory.add_argument(parser)
     parser.add_argument("--json", action="store_true", help="print what was made as JSON")
 
 
-def size(text: str) -> tuple[int, int]:
-    width, _, height = text.partition("x")
-    if not (width.isascii() and width.isdigit() and height.isascii() and height.isdigit()):
-        raise argparse.ArgumentTypeError(f"{text!r} is not WIDTHxHEIGHT, e.g. 640x480")
-    return int(width), int(height)
-
-
 def run(arguments) -> int:
+    from reference_tracer.errors import InputError
     from reference_tracer.image_files import require_writable, save
     from reference_tracer.scene.library import find
 
     output = Path(arguments.output)
     require_writable(output)  # before the work, not after it
+    if arguments.renderer is None and arguments.settings:
+        raise InputError(f"--set {arguments.settings[0]}: is a setting of the renderer that --with names; name one")
+    if arguments.renderer is not None:
+        for name in OF_OURS:
+            if getattr(arguments, name) is not None:
+                raise InputError(f"--{name}: is an option of raytruth's own tracer; leave it out with --with "
+                                 f"{arguments.renderer}, which takes its settings by --set")
     scene = _adjusted(find(arguments.scene), arguments)
+    start = time.perf_counter()
     picture = _with_other_renderer(scene, arguments) if arguments.renderer else _with_ours(scene, arguments)
+    picture.metadata.setdefault("seconds", time.perf_counter() - start)  # others tell their phases
     save(picture, output)
     counts = {name: int((picture.status == code).sum()) for name, code in (("miss", 0), ("hit", 1), ("undecided", 2))}
     if arguments.json:
         print(json.dumps({"file": str(output), "pixels": counts, **picture.metadata}))
     else:
-        print(f"{output}: {scene.camera.width} x {scene.camera.height}, {picture.metadata.get('rays', 0):,} rays in "
-              f"{picture.metadata['seconds']:.2f} s; {counts['undecided']} undecided pixels")
+        rays = f"{picture.metadata['rays']:,} rays in " if "rays" in picture.metadata else ""
+        print(f"{output}: {scene.camera.width} x {scene.camera.height}, {rays}{picture.metadata['seconds']:.2f} s; "
+              f"{counts['undecided']} undecided pixels")
     return 0
 
 
@@ -78,27 +91,44 @@ def _adjusted(scene, arguments):
 
 
 def _with_ours(scene, arguments):
+    from comparisons.progress import Progress
+    from reference_tracer.estimate import compilation, duration, estimate
     from reference_tracer.image_files import planes_of
-    from reference_tracer.render import render
+    from reference_tracer.render import Renderer
 
-    bar = _bar(scene)
-    picture = render(scene, arguments.method, precision=arguments.precision, device=arguments.device,
-                     threads=arguments.threads, planes=planes_of(Path(arguments.output)), progress=bar.to if bar else None)
-    if bar:
-        bar.close()
+    output = Path(arguments.output)
+    memory.require(scene, planes_of(output), COPIES[output.suffix.lower()], arguments.memory)
+    start, method, device = time.perf_counter(), arguments.method or "exact", arguments.device or "llvm"
+    with Progress(1.0, label=f"{scene.name}: compiling kernels") as bar:
+        renderer = Renderer(scene, method, precision=arguments.precision, device=device, threads=arguments.threads)
+        if (kinds := len({o.surface.family for o in scene.objects})) > MANY_KINDS:
+            low, high = (duration(s) for s in compilation(scene, method, arguments.precision, device))
+            bar.log(f"raytruth: {scene.name}: {kinds} kinds of surfaces will take {low} to {high} to compile, "
+                    "unless they were compiled before")
+        band = None
+        if _may_be_long(scene):
+            expected = estimate(renderer, lambda stage: bar.show(f"{scene.name}: {stage}"))
+            band = expected.band
+            if expected.seconds[1] > LONG:
+                bar.log(f"raytruth: {scene.name}: {expected.sentence}")
+        bar.show(scene.name)
+        picture = renderer.picture(planes_of(output), progress=bar.to, band=band)
+    picture.metadata["seconds"] = time.perf_counter() - start
     return picture
 
 
-def _bar(scene):
-    if not sys.stderr.isatty():
-        return None
-    from comparisons.progress import Progress
+def _may_be_long(scene) -> bool:
+    """Whether so much could have to be done that it is worth to measure before."""
+    from reference_tracer.estimate import most_rays
 
-    return Progress(1.0, label=scene.name)
+    paper = any(o.first_hit and o.first_hit.method == "paper" for o in scene.objects)
+    steps = scene.tracing.max_distance / scene.tracing.step_size
+    return most_rays(scene) > MUCH or most_rays(scene) * steps > 64 * MUCH or paper
 
 
 def _with_other_renderer(scene, arguments):
     from comparisons import renderers
+    from comparisons.progress import Progress
     from reference_tracer.errors import InputError
 
     settings = {}
@@ -106,8 +136,8 @@ def _with_other_renderer(scene, arguments):
         key, equals, value = item.partition("=")
         if not equals:
             raise InputError(f"--set {item}: must be KEY=VALUE, e.g. resolution=128")
-        try:
-            settings[key] = json.loads(value)
-        except ValueError:
-            settings[key] = value
-    return renderers.render(arguments.renderer, scene, settings)
+        if key in settings:
+            raise InputError(f"--set {item}: sets {key} a second time; keep one of them")
+        settings[key] = value
+    with Progress(1.0, label=f"{scene.name} with {arguments.renderer}"):
+        return renderers.render(arguments.renderer, scene, renderers.parsed(arguments.renderer, settings))

@@ -14,7 +14,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from .render import size
+from .. import memory
+from ..arguments import require_file, resized, size, whole
+
+BESIDE = 350  # bytes a pixel: a second picture, the differences, signatures, neighbours
 
 
 def add_arguments(parser):
@@ -23,7 +26,8 @@ def add_arguments(parser):
     parser.add_argument("--method", default="exact", help="first-hit method (default exact)")
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
     parser.add_argument("--precision", type=int, choices=(64, 32), default=32, help="rounding to predict (default 32)")
-    parser.add_argument("--verify", type=int, metavar="N", default=0, help="check against N newly perturbed renders")
+    parser.add_argument("--verify", type=whole(0, 1000), metavar="N", default=0, help="check against N newly perturbed renders")
+    memory.add_argument(parser)
     parser.add_argument("--json", action="store_true", help="print the numbers as JSON")
 
 
@@ -32,15 +36,13 @@ def run(arguments) -> int:
 
     from comparisons.progress import Progress
     from reference_tracer import sensitivity as model
-    from reference_tracer.errors import InputError
+    from reference_tracer.film import PLANES
     from reference_tracer.render import render
     from reference_tracer.scene.library import find
 
-    if arguments.output and (arguments.output.suffix != ".npz" or not arguments.output.parent.is_dir()):
-        raise InputError(f"{arguments.output}: must end in .npz and lie in an existing folder")
-    scene = find(arguments.scene)
-    if arguments.size:
-        scene = scene.resized(*arguments.size)
+    require_file(arguments.output, ".npz")
+    scene = resized(find(arguments.scene), arguments.size)
+    memory.require(scene, PLANES, BESIDE, arguments.memory)
     bar = Progress(1.0, label=scene.name)
     sensitivity = model.sensitivity(scene, arguments.method, arguments.precision, progress=bar.to)
     bar.close()

@@ -16,14 +16,16 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from ..arguments import number, require_folder, whole
+
 
 def add_arguments(parser):
     parser.add_argument("case", nargs="*", help="ids of cases (default: all)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for transport.json (default: results, if every case is run)")
-    parser.add_argument("--limit", type=float, default=120.0, metavar="SECONDS",
+    parser.add_argument("--limit", type=number(0.1, 1e6), default=120.0, metavar="SECONDS",
                         help="time limit of a case (default 120)")
-    parser.add_argument("--jobs", type=int, default=2, metavar="N", help="cases measured at the same time (default 2)")
+    parser.add_argument("--jobs", type=whole(1, 1024), default=2, metavar="N", help="cases measured at the same time (default 2)")
     parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
     parser.add_argument("--json", action="store_true", help="print the document")
 
@@ -31,13 +33,10 @@ def add_arguments(parser):
 def run(arguments) -> int:
     from comparisons.progress import Cases
     from comparisons.transport import cases, results, suite
-    from reference_tracer.errors import InputError
 
-    for name, value, low in (("limit", arguments.limit, 0.1), ("jobs", arguments.jobs, 1)):
-        if not value >= low:
-            raise InputError(f"--{name}: must be at least {low}; found {value}")
     chosen = cases.find(arguments.case)
     folder = arguments.results or Path("results")
+    require_folder(folder)
     with Cases() as progress:
         document = suite.run(chosen, folder, limit=arguments.limit, jobs=arguments.jobs, progress=progress)
     if arguments.results or not arguments.case:

@@ -10,7 +10,7 @@ from flint import ctx
 from ..world import World
 from .certificate import Audit
 from .objects import local_rays
-from .records import KINDS, NOTHING, allowance, undecided
+from .records import KINDS, NOTHING, allowance, settled_within, undecided
 from .verdict import Verdict, decide
 
 PRECISION = 192  # bits of the comparisons
@@ -40,23 +40,37 @@ def _record(result: Audit, row: np.void, verdict: Verdict, blame: Blame) -> None
         blame("wrong side", row, verdict.wrong_side, "f at the origin has the other sign")
     elif verdict.undecided:
         result.undecided[verdict.undecided] = result.undecided.get(verdict.undecided, 0) + 1
-    elif not undecided(row.reshape(1))[0]:
+    else:
         _hold_against(result, row, verdict, blame)
 
 
 def _hold_against(result: Audit, row: np.void, verdict: Verdict, blame: Blame) -> None:
+    """Whatever a method vouches for is held against the exact answer, whether the other one does or not."""
+    proven = not undecided(row.reshape(1))[0]
     radius = float(row["radius"])
-    claims = (("proven", "contradictions", "proof contradicted", radius),
-              ("audited", "wrong", "wrong by exact decision", radius + float(allowance(row.reshape(1))[0])))
-    for name, counter, fault, allowed in claims:
-        answer = row[name]
-        if answer["undecided"]:
-            continue
-        if not verdict.agrees(answer, allowed):
-            setattr(result, counter, getattr(result, counter) + 1)
-            index = next(iter(verdict.hits)) if verdict.hits else int(answer["index"])
-            blame(fault, row, index, f"exact: {verdict}")
-        elif verdict.hits and name == "audited":
-            result.largest_error = max(result.largest_error, verdict.error(answer))
+    if proven:
+        if not verdict.agrees(row["proven"], radius):
+            result.contradictions += 1
+            blame("proof contradicted", row, _index(verdict, row["proven"]), f"exact: {verdict}")
         elif verdict.hits:
-            result.largest_share = max(result.largest_share, verdict.error(answer) / radius)
+            result.largest_share = max(result.largest_share, verdict.error(row["proven"]) / radius)
+    if row["audited"]["undecided"] or not row["smooth"]:
+        return
+    if fault := audited_fault(verdict, row, proven):
+        result.wrong += 1
+        blame(fault, row, _index(verdict, row["audited"]), f"exact: {verdict}")
+    elif verdict.hits:
+        result.largest_error = max(result.largest_error, verdict.error(row["audited"]))
+
+
+def audited_fault(verdict: Verdict, row: np.void, proven: bool) -> str:
+    """What is wrong by exact decision with an answer that the audited method vouches for; empty where nothing is."""
+    if verdict.tied:
+        return "decided at a tie"
+    one = row.reshape(1)
+    allowed = row["radius"] + allowance(one)[0] if proven else settled_within(one)[0]
+    return "" if verdict.agrees(row["audited"], float(allowed)) else "wrong by exact decision"
+
+
+def _index(verdict: Verdict, answer) -> int:
+    return next(iter(verdict.hits)) if verdict.hits else int(answer["index"])

@@ -13,8 +13,8 @@ from ..world import World
 from .certificate import KindCount
 from .objects import Radius, rivals
 from .precise import Decision
-from .records import (KINDS, NOTHING, PRIMARY, REFLECTION, REFRACTION, SHADOW, hit_faults, numpy, row_type,
-                      shadow_faults, undecided)
+from .records import (KINDS, NOTHING, PRIMARY, REFLECTION, REFRACTION, ROUNDING, SHADOW, allowance, hit_faults, numpy,
+                      row_type, shadow_faults, undecided)
 from .sample import Reservoir
 from .shadows import shadow_rays
 from .sides import side_faults
@@ -42,6 +42,8 @@ class Census:
         self.decisions: dict[int, Counter] = defaultdict(Counter)  # of watched pixels
         self.rays_of_pixel = np.zeros(len(edges), np.int64)
         self.proven_pixel = np.ones(len(edges), bool)
+        self.reach = np.zeros(len(edges))  # of every pixel: how far off their surfaces its hits may be so far
+        self.farthest = max((max(map(abs, o.surface.center)) for o in audited.scene.objects), default=0.0)
         self.largest_gap = self.largest_radius = 0.0
         self.first_pixel = 0  # of the band being traced; the caller sets it
 
@@ -50,13 +52,14 @@ class Census:
         proven = self.proofs.nearest(wave.ray)
         radius = self.radius.of(wave.ray, proven)
         rivalled = rivals(self.proofs, wave.ray, proven, radius)
-        sides = side_faults(self.proofs, wave.ray)
-        dr.eval(proven, radius, rivalled, sides)
         count = len(wave)
         rows = np.zeros(count, self.type)
         self._describe(rows, wave.ray, count)
-        rows["generation"], rows["smooth"] = wave.generation, numpy(collision.smooth, count)
         rows["pixel"] = numpy(wave.slot, count).astype(np.int64) + self.first_pixel
+        rows["reach"] = self.reach[rows["pixel"]] + self._rounding(rows, 0)
+        sides = side_faults(self.proofs, wave.ray, self.audited.arrays.Float(rows["reach"].copy()))
+        dr.eval(proven, radius, rivalled, sides)
+        rows["generation"], rows["smooth"] = wave.generation, numpy(collision.smooth, count)
         rows["edge"] = self.edges[rows["pixel"]]
         if wave.refracted is None:
             rows["kind"] = PRIMARY
@@ -71,8 +74,10 @@ class Census:
             rows[name]["undecided"] = numpy(hit.undecided, count)
         rows["radius"], rows["rivalled"] = numpy(radius, count), numpy(rivalled, count)
         active = numpy(wave.weight, count) > 0  # the others pad the wave
+        own_reach = self._reach_of_hits(rows)
+        np.maximum.at(self.reach, rows["pixel"][active], own_reach[active])
         self._count_hits(rows[active], numpy(sides.wrong, count)[active], numpy(sides.index, count)[active])
-        lights = self._observe_shadows(wave, collision, rows, active)
+        lights = self._observe_shadows(wave, collision, rows, active, own_reach)
         self._write_down(rows, lights, active)
 
     def _describe(self, rows: np.ndarray, ray, count: int) -> None:
@@ -80,7 +85,19 @@ class Census:
         for k, word in enumerate(ray.sides.words):
             rows["sides"][:, k] = numpy(word, count)
 
-    def _observe_shadows(self, wave, collision, rows, active) -> np.ndarray:
+    def _rounding(self, rows: np.ndarray, t) -> np.ndarray:
+        """What rounding may move a point o + t d of each ray by, in the frame of any object."""
+        return ROUNDING * (np.abs(rows["o"]).max(axis=-1) + self.farthest + t)
+
+    def _reach_of_hits(self, rows: np.ndarray) -> np.ndarray:
+        """How far the point of each hit may be off its surface: 0 where nothing was met, infinite where not known."""
+        a = rows["audited"]
+        met = a["index"] != NOTHING
+        t = np.where(met, a["t"], 0)
+        lost = a["undecided"] | undecided(rows)
+        return np.where(lost, np.inf, np.where(met, allowance(rows) + self._rounding(rows, t), 0))
+
+    def _observe_shadows(self, wave, collision, rows, active, reach) -> np.ndarray:
         """Re-decides the shadow rays of a wave. Returns the audited intensity of every light, (n, lights), NaN where
         no shadow ray was traced."""
         count, lights = len(wave), []
@@ -91,7 +108,7 @@ class Census:
             own = rows.copy()
             self._describe(own, shadow.ray, count)
             own["kind"], own["towards"] = SHADOW, shadow.light
-            own["smooth"], own["rivalled"], own["radius"] = True, False, 0
+            own["smooth"], own["rivalled"], own["radius"], own["reach"] = True, False, 0, reach
             own["limit"] = numpy(shadow.distance, count)
             for name, (intensity, unsure) in zip(("audited", "proven"), verdicts):
                 own[name]["light"], own[name]["undecided"] = numpy(intensity, count), numpy(unsure, count)

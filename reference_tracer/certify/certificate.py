@@ -75,6 +75,7 @@ class Certificate:
     kinds: dict[str, KindCount] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
     undecided: list[Finding] = field(default_factory=list)  # `fault` is the reason
+    unproven_bounds: list[str] = field(default_factory=list)  # objects; no method relies on their bounds
     largest_gap: float = 0.0  # between the audited method's t and the proven one
     largest_radius: float = 0.0  # of an enclosure
     audit: Audit = field(default_factory=Audit)

@@ -6,9 +6,9 @@ on side `inside` at t = 0 (decision M2). Its crossings on (0, limit] follow from
 - A root of even multiplicity touches and is no crossing (M1).
 - If g just after 0 has the sign of the known side, every odd root ahead is a crossing.
 - If it has the other sign, the ray starts on the surface, and rounding has put its origin on the far side of it. Where
-  g heads back to zero, the root ahead is the surface the ray starts on: the ray has crossed nothing there (M3). Where g
-  heads away from zero, the ray leaves its side as it starts, which is a crossing at t = 0: that happens where two
-  surfaces coincide, one of them just passed.
+  g heads back to zero, the root ahead is the surface the ray starts on: the ray has crossed nothing there (M3); if it
+  never gets there, on which side it is stays open. Where g heads away from zero, the ray leaves its side as it starts,
+  which is a crossing at t = 0: that happens where two surfaces coincide, one of them just passed.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from flint import arb
 from ..numbers.exact import RationalPolynomial, rational
 from ..surfaces.surface import Surface
 from .roots import positive_roots
-from .search import Undecidable, search
+from .search import NEVER_BACK, Undecidable, search
 
 
 @dataclass
@@ -41,7 +41,7 @@ class Line:
 def ray_polynomial(surface: Surface, o, d) -> RationalPolynomial:
     """g(t) of an algebraic surface, signed so that g < 0 is inside."""
     parameters = {name: RationalPolynomial.constant(value) for name, value in surface.parameters.items()}
-    g = surface.polynomial_form(*RationalPolynomial.along(o, d), **parameters)
+    g = surface.exact_form(*RationalPolynomial.along(o, d), **parameters)
     return -g if surface.inside == "positive" else g
 
 
@@ -51,11 +51,11 @@ def follow(surface: Surface, o, d, inside: bool, limit, bits: int = 96, only_fir
     Algebraic surfaces are decided exactly. Others are enclosed to `bits` bits (search.py); `only_first` spares the
     rest of the ray there.
     """
-    if surface.degree is None:
+    if surface.exact_form is None:
         try:
             crossings, wrong_start = search(surface, o, d, inside, limit, bits, only_first)
         except Undecidable as reason:
-            return Line(undecided=str(reason))
+            return Line(undecided=str(reason), wrong_start=str(reason) == NEVER_BACK)
         return Line(crossings, wrong_start=wrong_start)
     g = ray_polynomial(surface, o, d).p
     if g == 0:
@@ -66,7 +66,12 @@ def follow(surface: Surface, o, d, inside: bool, limit, bits: int = 96, only_fir
                 multiple=[r.t for r in roots if r.crosses and r.multiplicity > 1])
     line.wrong_start = starts_inside(g) != inside
     if line.wrong_start:
-        crossings = crossings[1:] if crossings and g[0] * g[1] < 0 else [arb(0), *crossings]
+        if g[0] * g[1] >= 0:
+            crossings = [arb(0), *crossings]
+        elif not crossings:
+            return Line(undecided=NEVER_BACK, wrong_start=True)
+        else:
+            crossings = crossings[1:]
     line.crossings = crossings
     return line
 

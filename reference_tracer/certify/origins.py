@@ -1,31 +1,39 @@
-"""Where a ray starts in relation to a surface, as far as floats tell."""
+"""Where a ray starts in relation to a surface, by ball arithmetic."""
 
 from __future__ import annotations
 
-import numpy as np
+from flint import arb
 
-from ..numbers import Dual
+from ..first_hit.interval import NARROWEST
+from ..numbers.exact import Series, rational
 from ..surfaces.surface import Surface
+from .search import precision
 
-ON_SURFACE = 1e-9  # relative distance from a surface that rounding explains
-GRAZING = 1e-6  # sine of the angle between a ray and the surface it starts on
+BITS = 128  # of the balls; a float has 53
+SHORT = NARROWEST * 2.0**-52  # the length of the first segment that proofs do not divide any more
 
 
-def starts_on(surface: Surface, o) -> bool:
-    """Whether `o` (the surface's own frame) lies on the surface but for rounding: |f| / |grad f| is tiny."""
-    value, gradient = _linear(surface, o)
-    with np.errstate(all="ignore"):
-        return bool(abs(value) <= ON_SURFACE * (1 + np.abs(o).max()) * np.linalg.norm(gradient))
+def starts_on(surface: Surface, o, reach: float) -> bool:
+    """Whether the surface may pass within `reach` of `o` (its own frame): f is not certain to have one sign there."""
+    with precision(BITS):
+        ball = [arb(rational(c)) + (arb(0, reach) if reach else 0) for c in o]
+        value = _along(surface, ball, [arb(0)] * 3)[0]
+        return not (value > 0 or value < 0)
 
 
 def starts_along(surface: Surface, o, d) -> bool:
-    """Whether the ray starts on the surface and nearly in its tangent plane."""
-    _, gradient = _linear(surface, o)
-    return starts_on(surface, o) and bool(abs(gradient @ d) < GRAZING * np.linalg.norm(gradient))
+    """Whether f and its slope along the ray may both be zero on the first segment that proofs do not divide any more.
+
+    The ray then starts on the surface and in its tangent plane, or where the gradient vanishes.
+    """
+    with precision(BITS):
+        t = arb(0.5 * SHORT, 0.5 * SHORT)
+        value, slope = _along(surface, [arb(rational(a)) + t * arb(rational(b)) for a, b in zip(o, d)], d)
+        return not any(v > 0 or v < 0 for v in (value, slope))
 
 
-def _linear(surface: Surface, point) -> tuple[float, np.ndarray]:
-    """f and grad f of the regular form."""
-    with np.errstate(all="ignore"):
-        g = surface.regular(*Dual.axes(tuple(np.float64(c) for c in point)))
-        return float(g.value), np.array([float(g.derivative(k)) for k in range(3)])
+def _along(surface: Surface, point, d) -> tuple[arb, arb]:
+    """Balls for f at the points of a ball, and for its slope along d; a NaN has no sign."""
+    parameters = {name: Series.constant(value) for name, value in surface.parameters.items()}
+    s = surface.regular_form(*Series.along(point, [arb(rational(v)) for v in d], arb(0)), **parameters).s
+    return s[0], s[1]

@@ -8,6 +8,10 @@ KINDS = ("primary", "reflection", "refraction", "shadow")
 PRIMARY, REFLECTION, REFRACTION, SHADOW = range(4)
 NOTHING = -1  # the index of a ray that met no object
 LAST_STEP = 2.0**-50  # 8 units of rounding: where first_hit.refine stops
+# What rounding adds to a ray's origin in an object's frame, relative to |o| + |c| + t: the parent's and the ray's own
+# difference to the center c, product with the rotation (rows of absolute sum up to sqrt(3), three terms each) and
+# o + t d, at most 4 sqrt(3) + 4 sqrt(3) + 3 sqrt(3) + 3 < 32 half units.
+ROUNDING = 2.0**-48
 
 # one method's answer: of a first hit t and index, of a shadow ray the part of the light that arrives
 ANSWER = [("t", "f8"), ("index", "i4"), ("light", "f8"), ("undecided", "?")]
@@ -17,12 +21,14 @@ def row_type(words: int) -> np.dtype:
     """A ray in world space, where it comes from, and the answers of the audited method and of the proofs.
 
     `words` is the number of 64-bit words that hold its sides; `limit` is max_distance, or the distance to the light;
-    `towards` is the light of a shadow ray; `radius` encloses the proven t; `rivalled` says that another object may be
-    crossed there as well; `smooth` that the gradient exists there; `edge` marks a pixel on an edge.
+    `towards` is the light of a shadow ray; `reach` is how far its origin may be off the surface it starts on (infinite
+    where the audited method does not vouch for it); `radius` encloses the proven t; `rivalled` says that another object
+    may be crossed there as well; `smooth` that the gradient exists there; `edge` marks a pixel on an edge.
     """
     return np.dtype([("o", "f8", 3), ("d", "f8", 3), ("sides", "u8", (words,)), ("limit", "f8"),
                      ("kind", "u1"), ("generation", "u1"), ("pixel", "i8"), ("towards", "i2"), ("edge", "?"),
-                     ("smooth", "?"), ("rivalled", "?"), ("audited", ANSWER), ("proven", ANSWER), ("radius", "f8")])
+                     ("reach", "f8"), ("smooth", "?"), ("rivalled", "?"), ("audited", ANSWER), ("proven", ANSWER),
+                     ("radius", "f8")])
 
 
 def numpy(array, count: int) -> np.ndarray:
@@ -59,6 +65,11 @@ def shadow_faults(rows: np.ndarray) -> dict[str, np.ndarray]:
 def allowance(rows: np.ndarray) -> np.ndarray:
     """How far the audited t may be off the proven one: its enclosure, and the last step of the search (decision M6)."""
     return rows["radius"] + LAST_STEP * np.maximum(1, np.abs(rows["proven"]["t"]))
+
+
+def settled_within(rows: np.ndarray) -> np.ndarray:
+    """How far the audited t may be off the exact one where no proof encloses it: what first_hit.segments makes sure of."""
+    return 2.0**-26 * np.maximum(1, np.abs(rows["audited"]["t"]))
 
 
 def undecided(rows: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..camera_rays import camera_wave
 from ..render import render
 from ..scene.model import Scene
+from ..scene.promises import unproven
 from ..wavefront import MOST_RAYS, trace
 from ..world import World
 from .audit import audit
@@ -52,6 +53,7 @@ def certify(scene: Scene, method: str = "exact", *, sample: int = 1000, paths: i
 
     certificate = Certificate(scene.name, scene.hash, method, scene.camera.width, scene.camera.height,
                               scene.tracing.samples, census.kinds)
+    certificate.unproven_bounds = unproven(scene)
     certificate.largest_gap, certificate.largest_radius = census.largest_gap, census.largest_radius
     report = _Report(scene)
     _tell_faults(report, census, audited, proofs)
@@ -152,7 +154,7 @@ def _tell_reasons(report: _Report, census: Census, proofs: World) -> None:
     if not census.unproven:
         return
     rows = np.concatenate(census.unproven)
-    for row, (reason, index) in zip(rows, reasons(proofs, rows)):
+    for row, (reason, index) in zip(rows, reasons(proofs, rows, report.blame)):
         if reason == SETTLED:
             total = census.kinds[KINDS[row["kind"]]]
             total.settled, total.undecided = total.settled + 1, total.undecided - 1

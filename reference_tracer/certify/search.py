@@ -12,6 +12,7 @@ from ..surfaces.surface import Surface
 MOST_SEGMENTS = 20_000
 NARROWEST = fmpq(1, 2**80)  # of the ray's range; what is not decided on such a segment stays undecided
 MOST_BITS = 3072  # to tell the sign of f at a point
+NEVER_BACK = "starts on the wrong side of the surface and does not come back"
 SPLITS = tuple(fmpq(k, 32) for k in (16, 15, 17, 13, 19))  # of a segment; the next where f may be zero at one
 UNIT = arb(0, 1)  # the ball [-1, 1]
 
@@ -46,10 +47,14 @@ def _search(ray: _Ray, side: int, limit: fmpq, bits: int, only_first: bool):
     crossings, skip = [], False
     start, end = ray.sign(fmpq(0)), ray.sign(limit)
     if end == 0:
-        raise Undecidable("the surface passes where the ray ends")
+        finite = ray.series(arb(limit))[0].is_finite()
+        raise Undecidable("the surface passes where the ray ends" if finite else "f is not finite along the ray")
     wrong_start = start == -side
     if wrong_start:
-        skip = ray.series(arb(0))[1] * side > 0
+        slope = ray.series(arb(0))[1] * side
+        if not _excludes_zero(slope):
+            raise Undecidable("starts along the surface, on its wrong side")
+        skip = bool(slope > 0)
         crossings = [] if skip else [arb(0)]
         side = start
     stack, segments = [(fmpq(0), limit, end)], 0
@@ -70,11 +75,14 @@ def _search(ray: _Ray, side: int, limit: fmpq, bits: int, only_first: bool):
             else:
                 crossings.append(ray.zero(low, high, sign_high, bits))
             side = sign_high
+    if skip:
+        raise Undecidable(NEVER_BACK)
     return crossings, wrong_start
 
 
 class _Ray:
-    """g(t) = f(o + t d) with its first two derivatives over balls of t."""
+    """g(t) = f(o + t d) with its first two derivatives over balls of t; f is the regular form: a multiple root would
+    leave its sign open on both sides."""
 
     def __init__(self, surface: Surface, o, d):
         self.surface = surface
@@ -85,7 +93,7 @@ class _Ray:
         """Balls for g, g' and g''/2 on the ball t."""
         f = self.surface
         parameters = {name: Series.constant(value) for name, value in f.parameters.items()}
-        s = f.function(*Series.along(map(arb, self.o), map(arb, self.d), t), **parameters).s
+        s = f.regular_form(*Series.along(map(arb, self.o), map(arb, self.d), t), **parameters).s
         return tuple(self.orientation * s[k] for k in range(ORDER))
 
     def sign(self, t: fmpq) -> int:

@@ -11,8 +11,9 @@ from ..numbers import Dual, OutwardInterval
 from ..rays import Ray
 from ..world import World
 
-NEARNESS = 2.0**-40  # of the coordinates' size: a ray that starts so close to a surface may have started on it
-SMOOTHNESS = 2.0**-20  # change of grad f within that distance, relative, above which it is a kink
+# Sine of the angle to the surface below which rounding may turn a secondary direction to its other side: directions are
+# sums and products of unit vectors, normalised, off by some units in the last place.
+TURNED = 2.0**-46
 
 
 @dataclass
@@ -23,41 +24,39 @@ class SideFault:
     index: object  # UInt
 
 
-def side_faults(world: World, ray: Ray) -> SideFault:
-    """Where the sides of `ray` contradict f.
+def side_faults(world: World, ray: Ray, reach) -> SideFault:
+    """Where the sides of `ray` contradict f; `reach` (Float) is how far each origin may be off the surface it starts on.
 
-    Away from an object's surface the sign of f at the origin decides, proven by interval arithmetic over a small cube.
-    On a surface it is noise; there the ray heads to one side of it, which the sign of the slope of f tells. That is
-    asked only where the ray starts on one smooth surface alone: where two meet, or at a kink, a ray may have passed one
-    of them and be about to pass the other.
+    Away from an object's surface the sign of f at the origin decides, proven by interval arithmetic over the cube of
+    `reach`. Within it the sign is noise; there the ray heads to one side of the surface, which the sign of the slope of
+    f tells where it is the same in all of the cube. That is asked only where the ray starts on one surface alone: where
+    two meet, a ray may have passed one of them and be about to pass the other.
     """
     arrays = world.arrays
     count = arrays.UInt(0)
     far, near = SideFault(arrays.Bool(False), arrays.UInt(0)), SideFault(arrays.Bool(False), arrays.UInt(0))
     for family in world.families:
-        far, near, count = _of_family(world, family, ray, far, near, count)
+        far, near, count = _of_family(world, family, ray, reach, far, near, count)
     near.wrong &= count == 1
     return SideFault(far.wrong | near.wrong, dr.select(far.wrong, far.index, near.index))
 
 
 @dr.syntax
-def _of_family(world: World, family: Family, ray: Ray, far: SideFault, near: SideFault, count):
+def _of_family(world: World, family: Family, ray: Ray, reach, far: SideFault, near: SideFault, count):
     UInt = world.arrays.UInt
     far_wrong, far_index, near_wrong, near_index = far.wrong, far.index, near.wrong, near.index
-    size = dr.max(dr.abs(ray.o))
     j = UInt(0)
     while j < family.count:
         member = family.member(j)
         local = member.local(ray.o, ray.d)
-        reach = NEARNESS * (1 + size + dr.max(dr.abs(local.o)))
         cube = tuple(OutwardInterval(local.o[k] - reach, local.o[k] + reach) for k in range(3))
-        value, slope, smooth = _linear(member.solid.regular(*Dual.axes(cube)), local.d)
+        value, slope, steep = _linear(member.solid.regular(*Dual.axes(cube)), local.d)
         inside = ray.sides.test(member.index)
         contradicted = dr.select(inside, value.low > 0, value.high < 0)
         far_index = dr.select(contradicted, member.index, far_index)
         far_wrong |= contradicted
         on_it = ~(value.low > 0) & ~(value.high < 0)
-        leaves = on_it & smooth & dr.select(inside, slope.low > 0, slope.high < 0)
+        leaves = on_it & dr.select(inside, slope.low > steep, slope.high < -steep)
         near_index = dr.select(leaves, member.index, near_index)
         near_wrong |= leaves
         count += dr.select(on_it, UInt(1), 0)
@@ -66,10 +65,10 @@ def _of_family(world: World, family: Family, ray: Ray, far: SideFault, near: Sid
 
 
 def _linear(g: Dual, d):
-    """f and its slope along d as intervals, and whether grad f is nearly constant (Bool)."""
+    """f and its slope along d as intervals, and the slope that rounding of d explains."""
     value = OutwardInterval.of(g.value)
     gradient = [OutwardInterval.of(g.derivative(k)) for k in range(3)]
     slope = gradient[0] * d[0] + gradient[1] * d[1] + gradient[2] * d[2]
-    spread = sum((c.high - c.low for c in gradient[1:]), gradient[0].high - gradient[0].low)
-    size = sum((dr.abs(c.high) for c in gradient[1:]), dr.abs(gradient[0].high))
-    return value, slope, spread < SMOOTHNESS * size
+    size = sum((dr.maximum(dr.abs(c.low), dr.abs(c.high)) for c in gradient[1:]),
+               dr.maximum(dr.abs(gradient[0].low), dr.abs(gradient[0].high)))
+    return value, slope, TURNED * size

@@ -12,7 +12,8 @@ def told(c: Certificate) -> str:
     samples = f", {c.samples} x {c.samples} samples a pixel" if c.samples > 1 else ""
     verdict = "holds" if c.passed else "DOES NOT HOLD"
     lines = [f"{c.scene}, {c.width} x {c.height}{samples}, method {c.method}: {verdict}", "",
-             *_census(c), *_audit(c.audit), *_paths(c.paths)]
+             *_census(c), *(f"  bounds not proven: {name}; nothing relies on them" for name in c.unproven_bounds),
+             *_audit(c.audit), *_paths(c.paths)]
     lines += _list("Wrong:", c.findings) + _list("Undecided by proof:", c.undecided)
     return "\n".join(lines)
 

@@ -28,6 +28,11 @@ class Verdict:
     light: arb | None = None  # of a shadow ray: the part of the light that arrives
 
     @property
+    def tied(self) -> bool:
+        """Whether objects are crossed first at one distance: which of them comes first is not to be told (decision M4)."""
+        return self.hits is not None and len(self.hits) > 1
+
+    @property
     def touches(self) -> bool:
         return any(line.touches for line in self.lines)
 
@@ -65,7 +70,7 @@ def decide(scene: Scene, row: np.void, local: np.ndarray) -> Verdict:
         inside = bool(is_inside(row.reshape(1), index)[0])
         line = follow(obj.surface, o, d, inside, row["limit"],
                       only_first=not shadow or obj.material.transparency == 0)
-        if line.wrong_start and not starts_on(obj.surface, o):
+        if line.wrong_start and not starts_on(obj.surface, o, float(row["reach"])):
             return Verdict([], wrong_side=index)
         verdict.lines.append(line)
         verdict.undecided = verdict.undecided or line.undecided

@@ -33,7 +33,7 @@ def choose(method: str, obj, tracing, arrays) -> FirstHit:
             step_size = (own and own.step_size) or tracing.step_size
             return Paper(arrays, step_size, tracing.tolerance, tracing.max_iterations)
         case "exact":
-            return cheapest_exact(surface.degree, surface.box() is not None)
+            return cheapest_exact(surface.degree, surface.bounded_quadric)
         case "descartes":
             return Descartes() if surface.degree is not None else IntervalMethod()
         case "proof":

@@ -9,7 +9,9 @@ import drjit as dr
 from ..numbers import OutwardInterval, Polynomial
 from .interface import Crossing, LocalRay, Solid
 
-DOUBTFUL = 2.0**-12  # (half chord / extent)^2 below which rounding might decide whether a ray cuts: most rays are spared
+# (half chord / extent)^2 below which rounding might decide whether a ray cuts; the others are spared the question. At the
+# vertex it is wrong by few times 2^-52 (distance / extent) at most, and distances beyond 2^36 extents leave no digits.
+DOUBTFUL = 2.0**-12
 
 
 @dataclass
@@ -50,12 +52,14 @@ class Chord:
         low, high = self.ends
         return dr.maximum(dr.select(outside, dr.select(enters, low, dr.inf), high), 0)
 
-    def touches(self, solid: Solid, ray: LocalRay, outside, limit):
-        """Whether a ray that passes by, or barely cuts, touches the surface up to rounding (Bool)."""
+    def is_lost(self, solid: Solid, ray: LocalRay, outside, limit):
+        """Whether rounding hides what the ray does (Bool): it passes by, or barely cuts, and touches the surface up to
+        rounding; or its chord contradicts its side, or is no number."""
         ahead = outside & (self.middle > 0) & (self.middle < limit)
         low, high = solid.box
         close = ahead & (dr.abs(self.half_squared) < DOUBTFUL * dr.squared_norm(high - low))
-        return dr.if_stmt((), close, lambda: self._is_zero(solid, ray), lambda: dr.mask_t(limit)(False))
+        lost = ~dr.isfinite(self.half_squared) | ~(outside | (self.half_squared > 0))  # M7; or within, but never meets it
+        return lost | dr.if_stmt((), close, lambda: self._is_zero(solid, ray), lambda: dr.mask_t(limit)(False))
 
     def _is_zero(self, solid: Solid, ray: LocalRay):
         t = OutwardInterval(self.middle)
@@ -66,6 +70,7 @@ class BoundedQuadric:
     """First hits and crossings from the chord; what the ray's side says decides which end counts."""
 
     name = "bounded quadric"
+    vouches = True
     closed_form = True
     variables = ()
 
@@ -73,7 +78,7 @@ class BoundedQuadric:
         outside = inside == solid.far_inside
         chord = Chord.along(solid, ray, limit)
         t = chord.next_crossing(outside)
-        return Crossing(t <= limit, t, t, chord.touches(solid, ray, outside, limit),
+        return Crossing(t <= limit, t, t, chord.is_lost(solid, ray, outside, limit),
                         dr.full(dr.uint32_array_t(type(t)), 5))
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
@@ -83,4 +88,4 @@ class BoundedQuadric:
         UInt = dr.uint32_array_t(type(limit))
         again = outside & (chord.ends[1] < limit)
         count = dr.select(first < limit, dr.select(again, UInt(2), UInt(1)), UInt(0))
-        return count, chord.touches(solid, ray, outside, limit)
+        return count, chord.is_lost(solid, ray, outside, limit)

@@ -10,6 +10,7 @@ from .interface import Crossing, FirstHit, LocalRay, Solid
 class Cascade:
     """`fast` answers; where it is undecided, `safe` does. No ray is guessed."""
 
+    vouches = True
     closed_form = False
     variables = ()
 

@@ -11,7 +11,7 @@ from typing import Protocol
 
 import drjit as dr
 
-from ..numbers import Dual, Interval
+from ..numbers import Dual, Interval, OutwardInterval
 
 
 @dataclass
@@ -52,6 +52,11 @@ class Solid:
         g = self.regular(*Dual.along(point, tuple(number(ray.d[k]) for k in range(3))))
         return number.of(g.value), number.of(g.derivative())
 
+    def value(self, ray: LocalRay, t) -> OutwardInterval:
+        """An enclosure of g(t) of the regular form at one point, every rounding counted."""
+        t = OutwardInterval(t)
+        return OutwardInterval.of(self.regular(*(t * ray.d[k] + ray.o[k] for k in range(3))))
+
     def span(self, ray: LocalRay, limit):
         """The part [t0, t1] of (0, limit) in which the ray may meet the solid; t0 > t1 where it cannot.
 
@@ -91,6 +96,7 @@ class FirstHit(Protocol):
     """A method that finds where rays change side."""
 
     name: str
+    vouches: bool  # its distances are those of first crossings, but for rounding
     closed_form: bool  # cheap enough not to ask first whether the ray meets the solid's bounds
     variables: tuple = ()  # the arrays that its kernels read
 

@@ -15,21 +15,18 @@ class Linear:
     """
 
     name = "linear"
+    vouches = True
     closed_form = True
     variables = ()
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
-        t = self.next_crossing(solid, ray, inside)
-        return Crossing(t <= limit, t, t, dr.mask_t(t)(False), dr.full(dr.uint32_array_t(type(t)), 1))
-
-    @staticmethod
-    def next_crossing(solid: Solid, ray: LocalRay, inside):
-        """The t at which each ray changes side; infinity where it never does (Float)."""
-        g, slope = solid.slope_at(ray, dr.zeros(type(ray.o[0])))
+        g, slope = solid.slope_at(ray, dr.zeros(type(ray.o[0])), solid.regular)
         leaves = dr.select(inside, slope > 0, slope < 0)
-        return dr.select(leaves, dr.maximum(-g / slope, 0), dr.inf)
+        t = dr.select(leaves, dr.maximum(-g / slope, 0), dr.inf)
+        return Crossing(t <= limit, t, t, ~dr.isfinite(g + slope), dr.full(dr.uint32_array_t(type(t)), 1))
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
         # one sign change at most: the sides of the two ends tell
-        other = solid.inside_at(ray, limit) != inside
-        return dr.select(other & (limit > 0), dr.uint32_array_t(type(limit))(1), 0), dr.mask_t(limit)(False)
+        g = solid.regular(*ray.at(limit))
+        crosses = ((g < 0) != inside) & (limit > 0)
+        return dr.select(crosses, dr.uint32_array_t(type(limit))(1), 0), ~dr.isfinite(g)

@@ -19,6 +19,7 @@ class Paper:
     """
 
     name = "paper"
+    vouches = False
     closed_form = False
 
     def __init__(self, arrays, step_size: float, tolerance: float, max_iterations: int):
@@ -81,7 +82,7 @@ class Paper:
         """
         if solid.box is not None:
             known = dr.select(inside == solid.far_inside, entry, 0)
-        elif parabola := Parabola.along(solid, ray, limit):
+        elif solid.polynomial is solid.f and (parabola := Parabola.along(solid, ray, limit)):
             known = dr.minimum(parabola.next_crossing(inside), UNREACHABLE)
         else:
             known = dr.zeros(type(entry))

@@ -23,17 +23,9 @@ class Proof(IntervalMethod):
     number = OutwardInterval
 
     def _end_of_segment(self, solid: Solid, ray: LocalRay, end):
-        g = self._value(solid, ray, end)
-        return 0.5 * (g.low + g.high), g.high < 0, g.low > 0
-
-    def _bounded_away(self, g_start, g_end, slope: Interval, w, side):
-        return False  # its products are rounded to nearest: not a proof
-
-    @staticmethod
-    def _value(solid: Solid, ray: LocalRay, t) -> Interval:
-        """An enclosure of g(t) at one point."""
-        t = OutwardInterval(t)
-        return OutwardInterval.of(solid.regular(*(t * ray.d[k] + ray.o[k] for k in range(3))))
+        g = solid.value(ray, end)
+        inside, outside = g.high < 0, g.low > 0
+        return dr.select(inside, g.high, dr.select(outside, g.low, 0)), inside, outside
 
     @dr.syntax
     def radius(self, solid: Solid, ray: LocalRay, t, active):
@@ -47,7 +39,7 @@ class Proof(IntervalMethod):
         tries = dr.zeros(dr.uint32_array_t(Float))
         searching = dr.mask_t(t)(active)
         while searching:
-            before, after = self._value(solid, ray, t - r), self._value(solid, ray, t + r)
+            before, after = solid.value(ray, t - r), solid.value(ray, t + r)
             changes = ((before.high < 0) & (after.low > 0)) | ((before.low > 0) & (after.high < 0))
             proven = dr.select(changes, r, proven)
             tries += 1

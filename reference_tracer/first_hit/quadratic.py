@@ -18,6 +18,7 @@ class Parabola:
     high: object  # Float
     vertex: object  # Float, where |g| has its extremum
     real: object  # Bool, two distinct crossings
+    discriminant: object  # Float, b^2 - a c in units of the largest coefficient squared; not finite where one is not
     far_inside: object  # Bool, g < 0 as t goes to infinity
 
     @staticmethod
@@ -51,14 +52,17 @@ class Parabola:
         second = dr.select(q == 0, first, c / q)
         first = dr.select((q == 0) & (a != 0), 0, first)
         return Parabola(low=middle + dr.minimum(first, second), high=middle + dr.maximum(first, second),
-                        vertex=middle - b / a, real=discriminant > 0, far_inside=a < 0)
+                        vertex=middle - b / a, real=discriminant > 0, discriminant=discriminant,
+                        far_inside=a < 0)
 
-    def touches(self, solid: Solid, ray: LocalRay, inside, limit):
-        """Whether g at the vertex, on a ray that might only touch, is zero up to rounding (Bool)."""
+    def is_lost(self, solid: Solid, ray: LocalRay, inside, limit):
+        """Whether rounding hides what the ray does (Bool): g at the vertex, on a ray that might only touch, is zero up to
+        rounding; or the parabola contradicts the ray's side, or is no number."""
         ahead = (inside == self.far_inside) & (self.vertex > 0) & (self.vertex < limit)
         t = OutwardInterval(dr.select(ahead, self.vertex, 0))
         g = OutwardInterval.of(solid.polynomial(*(t * ray.d[k] + ray.o[k] for k in range(3))))
-        return ahead & ~g.excludes_zero()
+        contradicts = (inside != self.far_inside) & ~self.real
+        return (ahead & ~g.excludes_zero()) | contradicts | ~dr.isfinite(self.discriminant)
 
     def next_crossing(self, inside):
         """The t of the first change of side of a ray on side `inside`; infinity where there is none (Float)."""
@@ -77,13 +81,14 @@ class Quadratic:
     """
 
     name = "quadratic"
+    vouches = True
     closed_form = True
     variables = ()
 
     def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
         parabola = Parabola.along(solid, ray, limit)
         t = parabola.next_crossing(inside)
-        return Crossing(t <= limit, self._polish(solid, ray, t, parabola), t, parabola.touches(solid, ray, inside, limit),
+        return Crossing(t <= limit, self._polish(solid, ray, t, parabola), t, parabola.is_lost(solid, ray, inside, limit),
                         dr.full(dr.uint32_array_t(type(t)), 6))
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
@@ -94,11 +99,11 @@ class Quadratic:
         again = crosses & enters & (parabola.high < limit)
         UInt = dr.uint32_array_t(type(limit))
         count = dr.select(again, UInt(2), dr.select(crosses, UInt(1), 0))
-        return count, parabola.touches(solid, ray, inside, limit)
+        return count, parabola.is_lost(solid, ray, inside, limit)
 
     @staticmethod
     def _polish(solid: Solid, ray: LocalRay, t, parabola: Parabola):
         """One Newton step on f itself, which restores the last digits; refused where it is not a small correction."""
-        g, slope = solid.slope_at(ray, t)
+        g, slope = solid.slope_at(ray, t, solid.regular)
         dt = g / slope
         return dr.select(dr.abs(dt) < 1e-6 * dr.minimum(1, parabola.high - parabola.low), dr.maximum(t - dt, 0), t)

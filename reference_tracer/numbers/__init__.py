@@ -1,7 +1,7 @@
 """The number types on which one function f(x, y, z) is evaluated: duals, intervals, polynomials."""
 
 from .dual import Dual
-from .interval import Interval, OutwardInterval
+from .interval import DefinedPart, Interval, OutwardInterval
 from .polynomial import NotAlgebraic, Polynomial
 
-__all__ = ["Dual", "Interval", "NotAlgebraic", "OutwardInterval", "Polynomial"]
+__all__ = ["DefinedPart", "Dual", "Interval", "NotAlgebraic", "OutwardInterval", "Polynomial"]

@@ -66,32 +66,32 @@ class Dual:
 
     def __truediv__(self, other):
         if not isinstance(other, Dual):
-            return Dual(self.value / other, tuple(None if d is None else d / other for d in self.derivatives))
-        quotient = self.value / other.value
+            return Dual(fn.quotient(self.value, other), tuple(_over(d, other) for d in self.derivatives))
+        quotient = fn.quotient(self.value, other.value)
         return Dual(quotient, tuple(_over(_plus(da, _times(_negative(db), quotient)), other.value)
                                     for da, db in zip(self.derivatives, other.derivatives)))
 
     def __rtruediv__(self, other):
-        reciprocal = 1.0 / self.value
-        return self._chain(other * reciprocal, -other * reciprocal**2)
+        value = fn.quotient(other, self.value)
+        return self._chain(value, -fn.quotient(value, self.value))
 
     def __pow__(self, n: int):
         if n == 0:
-            return self._chain(self.value**0, 0.0)
+            return Dual(self.value**0, (None,) * len(self.derivatives))
         if n == 1:
             return self
         if n < 0:
             return 1.0 / self**-n
-        return self._chain(self.value**n, n * self.value ** (n - 1))
+        return self._chain(fn.whole_power(self.value, n), n * fn.whole_power(self.value, n - 1))
 
     # --- elementary functions --------------------------------------------------------------------------------------
     def sqrt(self):
         root = fn.sqrt(self.value)
-        return self._chain(root, 0.5 / root)
+        return self._chain(root, fn.quotient(0.5, root))
 
     def cbrt(self):
         root = fn.cbrt(self.value)
-        return self._chain(root, (1.0 / 3.0) / root**2)
+        return self._chain(root, fn.quotient(1.0 / 3.0, root**2))
 
     def sin(self):
         return self._chain(fn.sin(self.value), fn.cos(self.value))
@@ -108,11 +108,28 @@ class Dual:
         return self._chain(power, power)
 
     def log(self):
-        return self._chain(fn.log(self.value), 1.0 / self.value)
+        return self._chain(fn.log(self.value), fn.quotient(1.0, self.value))
+
+    def power(self, exponent):
+        if not isinstance(exponent, Dual):
+            # p a**(p - 1), never p a**p / a: at a = 0 the slope is 0 for p > 1
+            return self._chain(fn.power(self.value, exponent),
+                               fn.power(self.value, fn.less_one(exponent, self.value)) * exponent)
+        power = fn.power(self.value, exponent.value)
+        of_base = fn.power(self.value, fn.less_one(exponent.value, self.value)) * exponent.value
+        of_exponent = fn.times_log(power, self.value)
+        return Dual(power, tuple(_plus(_times(da, of_base), _times(db, of_exponent))
+                                 for da, db in zip(self.derivatives, exponent.derivatives)))
+
+    def power_of(self, base):
+        """base ** self for a base without derivatives."""
+        power = fn.power(base, self.value)
+        return self._chain(power, fn.times_log(power, base))
 
     def absolute(self):
-        # max(a, -a), so that intervals across the kink keep both slopes
-        return self.maximum(-self)
+        # intervals across the kink keep both slopes
+        return Dual(fn.absolute(self.value), tuple(None if d is None else fn.where_larger(self.value, 0.0, d, -d)
+                                                   for d in self.derivatives))
 
     def minimum(self, other):
         return -((-self).maximum(-other))
@@ -142,4 +159,4 @@ def _times(d, factor):
 
 
 def _over(d, divisor):
-    return None if d is None else d / divisor
+    return None if d is None else fn.quotient(d, divisor)

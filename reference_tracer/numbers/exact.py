@@ -68,6 +68,8 @@ class RationalPolynomial:
             if divisor.degree() > 0:
                 raise NotAlgebraic("division by a function of the coordinates")
             divisor = divisor[0]
+        if divisor == 0:
+            raise NotAlgebraic("division by zero")
         return RationalPolynomial(self.p * (1 / divisor))
 
     def __rtruediv__(self, other):
@@ -79,7 +81,7 @@ class RationalPolynomial:
     def _not_algebraic(self, *_):
         raise NotAlgebraic("a function that is not a polynomial")
 
-    sqrt = cbrt = sin = cos = tan = exp = log = absolute = minimum = maximum = _not_algebraic
+    sqrt = cbrt = sin = cos = tan = exp = log = absolute = power = power_of = minimum = maximum = _not_algebraic
 
 
 class Series:
@@ -192,11 +194,33 @@ class Series:
     def log(self):
         return Series(self.s.log())
 
+    def power(self, exponent):
+        """self ** exponent; over a ball that reaches 0, the derivatives that exist there for a constant exponent."""
+        exponent = self._of(exponent)
+        base, p = self.s[0], exponent.s[0]
+        constant = all(c == 0 for c in exponent.s.coeffs()[1:])
+        if base > 0:
+            return Series((self.s.log() * exponent.s).exp(), True)
+        if not (self.nonnegative and base.is_finite() and p > 0):
+            return self._undefined()
+        low, high = arb(0), base.upper()
+        ball = lambda q: low.union(high**q) if q > 0 else arb(1) if q == 0 else arb.nan()  # of base ** q
+        if not constant:
+            return self._cusp(low, (arb(high).max(arb(1)))**p.upper() if high > 1 else high**p.lower(), True)
+        first = p * ball(p - 1)
+        second = p * (p - 1) * ball(p - 2) / 2
+        a1, a2 = self.s[1], self.s[2]
+        return Series(arb_series([ball(p), first * a1, first * a2 + second * a1 * a1]), True)
+
+    def power_of(self, base):
+        return self._of(base).power(self)
+
     def absolute(self):
         return Series(self.maximum(-self).s, True)
 
     def minimum(self, other):
-        return -((-self).maximum(-self._of(other)))
+        other = self._of(other)
+        return Series((-((-self).maximum(-other))).s, self.nonnegative and other.nonnegative)
 
     def maximum(self, other):
         other = self._of(other)

@@ -6,21 +6,31 @@ fall back to the library of the argument's array type.
 """
 
 import math
+from fractions import Fraction
 
 import drjit as dr
 import numpy as np
 
-__all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "minimum", "maximum", "select", "fma",
-           "where_larger"]
+__all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "power", "minimum", "maximum", "select", "fma",
+           "where_larger", "quotient", "whole_power"]
+
+# Dr.Jit's fp64 sine and cosine are good to an absolute 2**-52 below this angle, and from about 2**31.6 on they return
+# numbers of any size: `python -m reference_tracer.numbers.enclosures`. Beyond it Dr.Jit's floats have none here, NaN, and
+# intervals answer [-1, 1] and the whole line.
+LARGEST_ANGLE = 2.0**30
+
+_PLAIN = (int, float, np.ndarray, np.generic)
+LARGEST_SHORT_EXPONENT = 64  # above it, roots and products cost more than exp and log
 
 
-def _tan_of_array(x):
-    # drjit.tan loses digits below |x| = 1e-4 (relative error 3e-9 in 1.5); the quotient is good to 3 ulp everywhere.
-    return dr.sin(x) / dr.cos(x)
+def _wave_of_array(function):
+    """NaN, which decides nothing (M7), where Dr.Jit's result means nothing."""
+    return lambda x: dr.select(dr.abs(x) <= LARGEST_ANGLE, function(x), math.nan)
 
 
-_ON_DRJIT = {"sqrt": dr.sqrt, "cbrt": dr.cbrt, "sin": dr.sin, "cos": dr.cos, "tan": _tan_of_array,
-             "exp": dr.exp, "log": dr.log, "absolute": dr.abs}
+# drjit.tan loses digits below |x| = 1e-4 (relative error 3e-9 in 1.5); the quotient is good to 3 ulp there
+_ON_DRJIT = {"sqrt": dr.sqrt, "cbrt": dr.cbrt, "sin": _wave_of_array(dr.sin), "cos": _wave_of_array(dr.cos),
+             "tan": _wave_of_array(lambda x: dr.sin(x) / dr.cos(x)), "exp": dr.exp, "log": dr.log, "absolute": dr.abs}
 
 
 def _elementary(name: str, on_scalar):
@@ -54,6 +64,77 @@ tan = _elementary("tan", math.tan)
 exp = _elementary("exp", math.exp)
 log = _elementary("log", lambda x: math.log(x) if x else -math.inf)
 absolute = _elementary("absolute", abs)
+
+
+def quotient(a, b):
+    """a / b as IEEE arithmetic has it, for Python's floats too."""
+    if not (isinstance(a, _PLAIN) and isinstance(b, _PLAIN)):
+        # an array of Dr.Jit cannot stand on the left of a number type of ours
+        return b.__rtruediv__(a) if dr.is_array_v(a) and not (dr.is_array_v(b) or isinstance(b, _PLAIN)) else a / b
+    with np.errstate(all="ignore"):
+        value = np.true_divide(a, b)
+    return float(value) if isinstance(a, (int, float)) and isinstance(b, (int, float)) else value
+
+
+def whole_power(base, n: int):
+    """base**n for an int n, as IEEE arithmetic has it, for Python's floats too."""
+    if not isinstance(base, _PLAIN):
+        return base**n
+    with np.errstate(all="ignore"):
+        return float(np.float64(base)**n) if isinstance(base, (int, float)) else base**n
+
+
+def power(base, exponent):
+    """base ** exponent for a real `exponent`, for any number types; not for whole exponents, which `**` takes.
+
+    Defined for base >= 0 (NaN below): 0 for base 0 and exponent > 0, infinite for exponent < 0.
+    """
+    method = getattr(base, "power", None)
+    if method is not None:
+        return method(exponent)
+    method = getattr(exponent, "power_of", None)
+    if method is not None:
+        return method(base)
+    if dr.is_array_v(base) or dr.is_array_v(exponent):
+        return _power_on_drjit(base, exponent)
+    with np.errstate(all="ignore"):
+        value = np.where(np.less(base, 0), math.nan, np.power(np.abs(base), np.float64(exponent)))
+    return float(value) if value.ndim == 0 else value
+
+
+def eighths(exponent) -> tuple[int, int] | None:
+    """(n, k) with |exponent| = n + k/8 for a Python number of that form: its powers need square roots and products only."""
+    if not isinstance(exponent, (int, float)) or not abs(exponent) <= LARGEST_SHORT_EXPONENT:
+        return None
+    n, rest = divmod(8 * abs(exponent), 8)
+    return (int(n), int(rest)) if rest == int(rest) else None
+
+
+def _power_on_drjit(base, exponent):
+    # drjit.power is exp2(log2(base) exponent), whose relative error grows with |log2 of the result|, as does the last line's
+    if (short := eighths(exponent)) is not None:
+        n, k = short
+        root = dr.abs(base)  # -0.0 is no negative number
+        value = root**n if n else 1.0
+        for bit in (4, 2, 1):
+            root = dr.sqrt(root)
+            value = value * root if k & bit else value
+        value = 1.0 / value if exponent < 0 else value
+        return dr.select(base >= 0, value, math.nan)
+    value = dr.exp(dr.log(base) * exponent)
+    return value if isinstance(exponent, (int, float)) else dr.select((exponent == 0) & (base >= 0), 1.0, value)
+
+
+def less_one(exponent, base):
+    """exponent - 1, as an interval where `base` is one and floats cannot hold the difference."""
+    exact = isinstance(exponent, (int, float)) and Fraction(exponent) - 1 == exponent - 1.0
+    return exponent - 1.0 if exact or not hasattr(base, "of") else base.of(exponent) - 1.0
+
+
+def times_log(power, base):
+    """power log(base) for power = base ** exponent: the slope in the exponent, 0 where the power vanishes."""
+    slope = power * log(base)
+    return slope if hasattr(slope, "of") else select(power == 0, power, slope)
 
 
 def select(condition, if_true, if_false):
@@ -97,4 +178,6 @@ def where_larger(a, b, if_a, if_b):
         method = getattr(number, "where_larger", None)
         if method is not None:
             return method(a, b, if_a, if_b)
+    if dr.is_array_v(a) or dr.is_array_v(b):  # of two Python numbers dr.select makes one of single precision
+        if_a, if_b = map(dr.expr_t(a, b), (if_a, if_b))
     return select(a >= b, if_a, if_b)

@@ -90,4 +90,5 @@ class Polynomial:
     def _not_algebraic(self, *_):
         raise NotAlgebraic("a function that is not a polynomial")
 
-    sqrt = cbrt = sin = cos = tan = exp = log = absolute = minimum = maximum = where_larger = _not_algebraic
+    sqrt = cbrt = sin = cos = tan = exp = log = absolute = _not_algebraic
+    power = power_of = minimum = maximum = where_larger = _not_algebraic

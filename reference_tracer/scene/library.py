@@ -6,7 +6,7 @@ from functools import cache
 from importlib.resources import files
 
 from ..errors import InputError
-from .load import load_scene, parse_scene
+from .load import load_scene, parse_scene, printable
 from .model import Scene
 
 _DOCUMENTS, _EFFECTS = files(__package__) / "documents", files(__package__) / "effects"
@@ -33,7 +33,7 @@ def _in(folder) -> tuple[str, ...]:
 def scene(name: str) -> Scene:
     """The shipped scene called `name`. Raises InputError if there is none."""
     if name not in (*names(), *effects()):
-        raise InputError(f"{name}: is neither a file nor a shipped scene; 'raytruth scenes' lists those")
+        raise InputError(f"{printable(name)}: is neither a file nor a shipped scene; 'raytruth scenes' lists those")
     document = (_DOCUMENTS if name in names() else _EFFECTS) / f"{name}.json"
     return parse_scene(document.read_bytes(), document.name)
 

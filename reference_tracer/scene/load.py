@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import difflib
 import json
+import os
+import stat
 from pathlib import Path
 
 from pydantic import ValidationError
 
 from ..errors import InputError
-from .model import Scene
+from .model import Scene, json_schema
 
 LARGEST_FILE = 1 << 20  # bytes
 DEEPEST_NESTING = 32
@@ -19,13 +22,19 @@ def load_scene(path: str | Path) -> Scene:
 
     Raises InputError: one line that names the file, the place inside it and the remedy.
     """
-    path = Path(path)
+    source = printable(str(path), longest=200)
     try:
-        with path.open("rb") as file:
+        # without waiting: a named pipe that nobody writes to would keep us for ever
+        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                raise InputError(f"{source}: is not a regular file; give the path of a scene file")
             data = file.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error}); give the path of a scene file") from None
-    return parse_scene(data, str(path))
+    except (OSError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{source}: cannot be read ({reason}); give the path of a scene file") from None
+    return parse_scene(data, source)
 
 
 def parse_scene(data: bytes, source: str = "scene") -> Scene:
@@ -102,6 +111,10 @@ _REMEDY = {
     "float_type": "must be a number",
     "int_type": "must be a whole number",
     "int_from_float": "must be a whole number",
+    "int_parsing": "must be a whole number",
+    "int_parsing_size": "must be a whole number",
+    "float_parsing": "must be a number",
+    "bool_parsing": "must be true or false",
     "string_type": "must be text in quotes",
     "string_pattern_mismatch": "must be 1 to 80 lower-case letters, digits, dots and hyphens",
     "tuple_type": "must be a list",
@@ -118,7 +131,9 @@ def one_line(error: ValidationError) -> str:
     # a list that lost an entry to another fault is not too short on its own account
     faults = [f for f in faults if f["type"] != "too_short"
               or not any(g is not f and g["loc"][:len(f["loc"])] == f["loc"] for g in faults)]
-    first = faults[0]
+    # a key that is misspelt is missing, too: say what was written, not what was not
+    first = next((f for f in faults if f["type"] == "extra_forbidden" and faults[0]["type"] == "missing"
+                  and f["loc"][:-1] == faults[0]["loc"][:-1]), faults[0])
     context = first.get("ctx", {})
     kind = first["type"]
     match kind:
@@ -134,6 +149,8 @@ def one_line(error: ValidationError) -> str:
             remedy = f"must have at least {context['min_length']} entries"
         case "string_too_long":
             remedy = f"must have at most {context['max_length']} characters"
+        case "extra_forbidden" if meant := _meant(first, faults):
+            remedy = f"is not a key this place knows; did you mean {meant}?"
         case "literal_error":
             remedy = f"must be {context['expected']}"
         case _:
@@ -143,23 +160,48 @@ def one_line(error: ValidationError) -> str:
     return " ".join(f"{_place(first['loc'])}: {remedy}{found}{more}".split())
 
 
+def _meant(fault, faults) -> str | None:
+    """The key that a misspelt one stands for: one that is missing beside it, else one that reads like it."""
+    place, written = fault["loc"][:-1], str(fault["loc"][-1])
+    missing = [f["loc"][-1] for f in faults if f["type"] == "missing" and f["loc"][:-1] == place]
+    close = difflib.get_close_matches(written[:40].lower(), missing or _keys_at(place), n=1, cutoff=0.0 if len(missing) == 1
+                                      else 0.6)
+    return close[0] if close else None
+
+
+def _keys_at(place) -> list[str]:
+    """The keys that the format knows at a place, by its published schema."""
+    root = schema = json_schema()
+    for step in place:
+        schema = schema.get("properties", {}).get(step, {}) if isinstance(step, str) else schema.get("items", {})
+        options = [schema, *schema.get("anyOf", ()), *schema.get("oneOf", ())]
+        if step in _KINDS:  # pydantic inserts the kind of a surface
+            schema = before
+            options = [{"$ref": schema.get("discriminator", {}).get("mapping", {}).get(step)}]
+        before = schema
+        for option in options:
+            if option.get("$ref"):
+                schema = root["$defs"][option["$ref"].rsplit("/", 1)[1]]
+    return list(schema.get("properties", ()))
+
+
 def _place(location) -> str:
     text = ""
     for before, step in zip((None, *location), location):
         if isinstance(step, int):
             text += f"[{step}]"
         elif step not in _KINDS or before != "surface":  # pydantic inserts the kind of a surface
-            text += f".{_printable(str(step))}" if text else _printable(str(step))
+            text += f".{printable(str(step))}" if text else printable(str(step))
     return text or "the scene"
 
 
-def _printable(text: str, longest: int = 60) -> str:
+def printable(text: str, longest: int = 60) -> str:
     text = "".join(c if c.isprintable() else "?" for c in text)
     return text if len(text) <= longest else text[:longest] + "..."
 
 
 def _quoted(value) -> str:
     try:
-        return _printable(json.dumps(value, default=str, ensure_ascii=False))
+        return printable(json.dumps(value, default=str, ensure_ascii=False))
     except (ValueError, RecursionError):
         return "something too large to show"

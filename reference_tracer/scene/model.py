@@ -7,10 +7,11 @@ import json
 import math
 from typing import Annotated, Literal, Union
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, WrapSerializer, model_validator
 
-from ..surfaces import KINDS
+from ..surfaces import KINDS, Clipped
 from ..surfaces.surface import Finite, Length, Vector
+from .promises import broken
 
 MOST_OBJECTS = 1024
 MOST_LIGHTS = 64
@@ -18,7 +19,16 @@ LONGEST_SIDE = 16384  # pixels
 MOST_PIXELS = 2**26
 MOST_STEPS = 1_000_000
 
-AnySurface = Annotated[Union[KINDS], Field(discriminator="type")]
+
+
+def _written(surface, handler):
+    document = handler(surface.written if isinstance(surface, Clipped) else surface)
+    if document.get("clip", ...) is None:
+        del document["clip"]  # a surface that is not clipped is written, and hashed, without the key
+    return document
+
+
+AnySurface = Annotated[Union[KINDS], Field(discriminator="type"), AfterValidator(Clipped.made), WrapSerializer(_written)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Intensity = Annotated[float, Field(ge=0, le=1000)]
 Colour = tuple[Fraction, Fraction, Fraction]
@@ -157,6 +167,12 @@ class Scene(Part):
     lights: Annotated[tuple[Light, ...], Field(max_length=MOST_LIGHTS)] = ()
     background: tuple[Intensity, Intensity, Intensity] = (0.0, 0.0, 0.0)
     tracing: Tracing = Tracing()
+
+    @model_validator(mode="after")
+    def _keeps_its_promises(self):
+        if fault := broken(self):
+            raise ValueError(fault)
+        return self
 
     @property
     def hash(self) -> str:

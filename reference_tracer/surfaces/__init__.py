@@ -4,15 +4,17 @@ To add a surface: write a file like sphere.py and list its class in KINDS. Scene
 then know it.
 """
 
+from .clipped import Clipped
 from .ellipsoid import Ellipsoid
 from .expression import Expression
 from .heart import Heart
 from .paraboloid import Paraboloid
 from .plane import Plane
 from .sphere import Sphere
-from .surface import Box, Surface
+from .surface import Bounds, Box, Surface
 from .torus import Torus
 
 KINDS: tuple[type[Surface], ...] = (Plane, Sphere, Ellipsoid, Torus, Paraboloid, Heart, Expression)
 
-__all__ = ["KINDS", "Box", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere", "Surface", "Torus"]
+__all__ = ["KINDS", "Bounds", "Box", "Clipped", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere",
+           "Surface", "Torus"]

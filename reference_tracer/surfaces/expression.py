@@ -1,179 +1,63 @@
-"""User surfaces: f(x, y, z) typed as a formula, parsed here and never executed as Python."""
+"""User surfaces: f(x, y, z) typed as a formula (formula_parser.py), a tree (formula.py) and never executed as Python."""
 
 from __future__ import annotations
 
-import ast
-import math
-import operator
-import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
-from ..numbers import NotAlgebraic, Polynomial
-from ..numbers import functions as fn
-from .surface import Surface, Vector
-
-LONGEST_FORMULA = 2000  # characters
-MOST_NODES = 500
-DEEPEST_NESTING = 60
-LARGEST_EXPONENT = 32
-
-FUNCTIONS: dict[str, tuple[Callable, int]] = {
-    "sqrt": (fn.sqrt, 1), "cbrt": (fn.cbrt, 1), "sin": (fn.sin, 1), "cos": (fn.cos, 1), "tan": (fn.tan, 1),
-    "exp": (fn.exp, 1), "log": (fn.log, 1), "abs": (fn.absolute, 1), "min": (fn.minimum, 2), "max": (fn.maximum, 2)}
-OPERATORS: dict[type, Callable] = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
-                                   ast.Div: operator.truediv}
-VARIABLES = ("x", "y", "z")
-VOCABULARY = "x y z, numbers, + - * / **, and " + " ".join(FUNCTIONS)
-
-Evaluator = Callable[[tuple], object]
+from ..numbers.polynomial import HIGHEST_DEGREE
+from .exact_polynomial import is_definite
+from .formula import FormulaError, Node, degree, evaluator, parametrised, written
+from .formula_parser import LONGEST_FORMULA, VOCABULARY, parse_formula
+from .odd_part import odd_part
+from .outside import outside
+from .surface import Bounds, Surface
 
 
-class FormulaError(ValueError):
-    """A formula that is not one, told in one sentence."""
+@dataclass(frozen=True)
+class Forms:
+    """What a formula's text is made into: f as written, and its odd part, which is f itself for most formulas.
 
+    The numbers of both are parameters: formulas that differ in numbers alone have one `structure`.
+    """
 
-class _Compiler:
-    """Turns a parsed formula into nested functions of the point (x, y, z); anything outside the vocabulary is refused."""
-
-    def __init__(self):
-        self.nodes = 0
-
-    def compile(self, node: ast.expr, depth: int = 0) -> Evaluator:
-        evaluate = self._translate(node, depth)
-        if isinstance(node, (ast.BinOp, ast.Call)) and not _variables(node):
-            value = _value(evaluate)  # once, and as IEEE arithmetic has it
-            return lambda p: value
-        return evaluate
-
-    def _translate(self, node: ast.expr, depth: int) -> Evaluator:
-        self.nodes += 1
-        if self.nodes > MOST_NODES:
-            raise FormulaError(f"has more than {MOST_NODES} operations; write it shorter")
-        if depth > DEEPEST_NESTING:
-            raise FormulaError(f"is nested deeper than {DEEPEST_NESTING} levels; write it flatter")
-        match node:
-            case ast.Constant(value=bool()):
-                pass
-            case ast.Constant(value=int() | float()):
-                value = self._number(node.value)
-                return lambda p: value
-            case ast.Name(id=name) if name in VARIABLES:
-                return operator.itemgetter(VARIABLES.index(name))
-            case ast.Name(id="pi"):
-                return lambda p: math.pi
-            case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=int() | float() as value)):
-                value = -self._number(value)
-                return lambda p: value
-            case ast.UnaryOp(op=ast.USub(), operand=operand):
-                inner = self.compile(operand, depth + 1)
-                return lambda p: -inner(p)
-            case ast.UnaryOp(op=ast.UAdd(), operand=operand):
-                return self.compile(operand, depth + 1)
-            case ast.BinOp(op=ast.Pow(), left=left, right=right):
-                return self._power(left, right, depth)
-            case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATORS:
-                a, b, apply = self.compile(left, depth + 1), self.compile(right, depth + 1), OPERATORS[type(op)]
-                return lambda p: apply(a(p), b(p))
-            case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in FUNCTIONS:
-                function, arity = FUNCTIONS[name]
-                if len(arguments) != arity:
-                    raise FormulaError(f"gives {name} {len(arguments)} argument(s); it takes {arity}")
-                inner = [self.compile(a, depth + 1) for a in arguments]
-                if arity == 1:
-                    return lambda p: function(inner[0](p))
-                return lambda p: function(inner[0](p), inner[1](p))
-        raise FormulaError(f"uses {_describe(node)}, which a formula may not; allowed are {VOCABULARY}")
-
-    @staticmethod
-    def _number(value) -> float:
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number):
-            raise FormulaError("contains a number too large for double precision")
-        return number
-
-    def _power(self, left, right, depth) -> Evaluator:
-        base, power = self.compile(left, depth + 1), self.compile(right, depth + 1)
-        exponent = None if _variables(right) else power(None)
-        if exponent is not None and exponent == int(exponent):
-            n = int(exponent)
-            if abs(n) > LARGEST_EXPONENT:
-                raise FormulaError(f"raises to the power {n}; exponents go from -{LARGEST_EXPONENT} to {LARGEST_EXPONENT}")
-            return lambda p: base(p) ** n
-        return lambda p: fn.exp(fn.log(base(p)) * power(p))
-
-
-def _variables(node) -> set[str]:
-    return {n.id for n in ast.walk(node) if isinstance(n, ast.Name)} & set(VARIABLES)
-
-
-def _value(evaluate: Evaluator) -> float:
-    """The value of a part without variables."""
-    try:
-        value = float(evaluate(None))
-    except (ZeroDivisionError, OverflowError):
-        value = math.nan
-    if not math.isfinite(value):
-        raise FormulaError("has a constant part without a finite value")
-    return value
-
-
-def _describe(node) -> str:
-    match node:
-        case ast.Call(func=ast.Name(id=name)):
-            return f"the function {name[:40]!r}"
-        case ast.Call():
-            return "a call"
-        case ast.Name(id=name):
-            return f"the name {name[:40]!r}"
-        case ast.Attribute():
-            return "an attribute (a dot after a name)"
-        case ast.BinOp(op=ast.BitXor()):
-            return "^ (write ** for a power)"
-        case ast.Constant(value=value):
-            return f"the value {str(value)[:40]!r}"
-    return f"a construct of the kind {type(node).__name__}"
+    function: Callable  # (x, y, z, **parameters); a parameter that is not given has the formula's own value
+    regular: Callable
+    parameters: dict[str, float]
+    structure: str
+    degree: int | None  # of the function, where it is a polynomial
+    regular_degree: int | None
+    definite: bool  # the regular form is a polynomial of degree two, with terms of that degree in every direction
 
 
 @lru_cache(maxsize=256)
-def compile_formula(text: str) -> Evaluator:
-    """The function of a point (x, y, z), a tuple of any number type, that `text` writes.
-
-    Raises FormulaError, whose text completes a sentence that begins with "the formula". The text is parsed to a syntax
-    tree and translated node by node; nothing of it is ever executed as Python.
-    """
-    if len(text) > LONGEST_FORMULA:
-        raise FormulaError(f"has {len(text)} characters; {LONGEST_FORMULA} are allowed")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # Python's parser warns of some texts on standard error
-            tree = ast.parse(text.strip(), mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise FormulaError(f"cannot be read; write one expression of {VOCABULARY}") from None
-    evaluator = _Compiler().compile(tree.body)
-    if not _variables(tree):
-        raise FormulaError("does not depend on x, y or z")
-    return evaluator
+def forms_of(text: str) -> Forms:
+    """Raises FormulaError."""
+    tree = parse_formula(text)
+    regular = odd_part(tree)
+    shared, numbers = parametrised(tree)
+    function, structure = _form(shared, numbers), written(shared)
+    if regular == tree:
+        form = function
+    else:
+        shared, more = parametrised(regular, start=len(numbers))
+        form, structure = _form(shared, more), f"{structure}, traced as {written(shared)}"
+        numbers |= more
+    return Forms(function, form, numbers, structure, _degree(tree), _degree(regular), is_definite(regular))
 
 
-class Bounds(BaseModel):
-    """Two opposite corners of a box, in the surface's own frame."""
+def _form(tree: Node, numbers: dict[str, float]) -> Callable:
+    evaluate = evaluator(tree)
+    return lambda x, y, z, **given: evaluate((x, y, z), numbers | given)
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
-    low: Vector
-    high: Vector
 
-    @model_validator(mode="after")
-    def _in_order(self):
-        if any(low >= high for low, high in zip(self.low, self.high)):
-            raise ValueError("every number of low must be smaller than the one of high")
-        return self
+def _degree(tree: Node) -> int | None:
+    found = degree(tree)
+    return None if found is None or found > HIGHEST_DEGREE else found
 
 
 class Expression(Surface):
@@ -181,40 +65,75 @@ class Expression(Surface):
 
     type: Literal["expression"] = "expression"
     formula: str = Field(max_length=LONGEST_FORMULA, description=f"f(x, y, z), written with {VOCABULARY}")
-    bounds: Bounds | None = Field(None, description="a box that holds the whole surface; without it, it is unbounded")
+    bounds: Bounds | None = Field(None, description="a promise that this box holds the whole surface; it is checked. Without "
+                                                    "it, the surface is unbounded")
 
     title: ClassVar[str] = "Expression"
     equation: ClassVar[str] = "f(x, y, z) = 0, as typed"
+    literal_parameters: ClassVar[bool] = True
 
     @field_validator("formula")
     @classmethod
     def _can_be_compiled(cls, text):
         try:
-            compile_formula(text)
+            parse_formula(text)
         except FormulaError as error:
             raise ValueError(f"the formula {error}") from None
         return text
 
     @cached_property
+    def _forms(self) -> Forms:
+        return forms_of(self.formula)
+
+    @property
     def function(self):
-        evaluate = compile_formula(self.formula)
-        return lambda x, y, z: evaluate((x, y, z))
+        return self._forms.function
+
+    @property
+    def regular_form(self):
+        """The odd part of f, values of a sane size: odd_part.py."""
+        return self._forms.regular
 
     @property
     def parameters(self):
-        return {}
+        """The numbers of the formula, c0, c1, ... as they stand there, then those of its regular form where that differs.
+
+        Whole exponents are no parameters.
+        """
+        return self._forms.parameters
 
     @property
     def family(self):
-        return f"expression: {self.formula}"
+        # all that the choice of a method depends on is the same for a whole family
+        return f"expression{'' if self.box() else ' without bounds'}: {self._forms.structure}" + (
+            ", definite" if self.bounded_quadric else "")
 
-    @cached_property
+    @property
     def degree(self):
-        try:
-            value = self.function(*Polynomial.along((0.5, 0.25, 0.125), (1.0, 0.75, 0.625)))
-        except (NotAlgebraic, ZeroDivisionError, OverflowError):
-            return None
-        return value.degree if isinstance(value, Polynomial) else None
+        return self._forms.regular_degree
+
+    @property
+    def polynomial_form(self):
+        return self.regular_form if self.degree is not None else None
+
+    @property
+    def exact_form(self):
+        return self.function if self._forms.degree is not None else self.polynomial_form
+
+    @property
+    def bounded_quadric(self):
+        return self.box() is not None and self._forms.definite
+
+    def region(self):
+        return self.bounds.corners if self.bounds else None
 
     def box(self):
-        return (self.bounds.low, self.bounds.high) if self.bounds else None
+        return self.region() if self.sign_outside else None
+
+    @property
+    def sign_outside(self):
+        if not self.bounds:
+            return 0
+        found = outside(self, self.bounds.corners, length=len(self.formula))
+        # where f is not defined the literal method sees "outside" (M7): no box around what is inside
+        return found.sign if found.defined or found.sign == (-1 if self.inside == "positive" else 1) else 0

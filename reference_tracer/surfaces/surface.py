@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 LARGEST_COORDINATE = 1e6  # beyond it fp64 has no digits left for surface detail of size 1e-9
 
@@ -13,6 +13,24 @@ Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST_COORDINATE, le=
 Length = Annotated[float, Field(allow_inf_nan=False, gt=1e-6, le=LARGEST_COORDINATE)]
 Vector = tuple[Finite, Finite, Finite]
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+class Bounds(BaseModel):
+    """Two opposite corners of a box, in the surface's own frame."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    low: Vector
+    high: Vector
+
+    @model_validator(mode="after")
+    def _in_order(self):
+        if any(low >= high for low, high in zip(self.low, self.high)):
+            raise ValueError("every number of low must be smaller than the one of high")
+        return self
+
+    @property
+    def corners(self) -> Box:
+        return self.low, self.high
 
 
 class Surface(BaseModel):
@@ -29,9 +47,12 @@ class Surface(BaseModel):
     center: Vector = Field((0.0, 0.0, 0.0), description="(x0, y0, z0), the origin of the surface's own frame")
     inside: Literal["negative", "positive"] = Field(
         "negative", description="the sign of f inside the solid; zero is always outside")
+    clip: Bounds | None = Field(None, description="only what lies within this box, in the surface's own frame, belongs to "
+                                                  "the solid; its faces close it")
 
     title: ClassVar[str]
     equation: ClassVar[str]
+    literal_parameters: ClassVar[bool] = False  # whether those that a whole family shares are literals of its kernels
     polynomial_degree: ClassVar[int | None] = None  # of polynomial_form, where there is one
 
     @staticmethod
@@ -75,9 +96,28 @@ class Surface(BaseModel):
         """
         return self.function if self.degree is not None else None
 
+    @property
+    def exact_form(self) -> Callable | None:
+        """The polynomial that exact arithmetic decides by: f as written where that is one, else `polynomial_form`."""
+        return self.polynomial_form
+
+    @property
+    def bounded_quadric(self) -> bool:
+        """Whether a `polynomial_form` of degree two is one of an ellipsoid, which every line cuts twice or not at all."""
+        return self.box() is not None
+
     def box(self) -> Box | None:
-        """Corners (low, high), in the surface's own frame, of a box outside which f has one sign; None if unbounded."""
+        """Corners (low, high), in the surface's own frame, of a box outside which f provably has one sign, else None."""
         return None
+
+    @property
+    def sign_outside(self) -> int:
+        """The sign of `function` outside of `box`, +1 or -1; 0 where there is no box."""
+        return 1 if self.box() is not None else 0
+
+    def region(self) -> Box | None:
+        """Where a mesh looks for the surface: its `box`, or the one that its user promises and nothing proves."""
+        return self.box()
 
     def __call__(self, x, y, z):
         """f at points of the surface's own frame, the sign flipped where `inside` says so."""

@@ -42,7 +42,7 @@ class _Wrapped:
 
     name = "broken"
 
-    closed_form = False
+    vouches, closed_form = True, False
     variables = ()
 
     def __init__(self, inner):
@@ -104,3 +104,24 @@ def breaking(monkeypatch, method: str, broken: type, instead_of: str = "exact") 
         return broken(choose(instead_of, obj, tracing, arrays))
 
     monkeypatch.setattr(first_hit, "choose", replaced)
+
+
+class TrustsItsSide(_Wrapped):
+    """Believes that every ray starts on the side it is told, whatever f says: a bare change of sign ahead is a crossing."""
+
+    class _Trusted:
+        def __init__(self, solid):
+            self._solid = solid
+
+        def __getattr__(self, name):
+            return getattr(self._solid, name)
+
+        def search_range(self, ray, inside, limit):
+            start, stop = self._solid.search_range(ray, inside, limit)
+            return dr.maximum(start, 1e-300), stop  # not at the origin: there it would be doubted
+
+    def first(self, solid, ray, inside, limit):
+        return super().first(self._Trusted(solid), ray, inside, limit)
+
+    def crossings(self, solid, ray, inside, limit, only_first):
+        return super().crossings(self._Trusted(solid), ray, inside, limit, only_first)

@@ -13,6 +13,9 @@ from reference_tracer.certify import certify
 from reference_tracer.certify.text import told
 from reference_tracer.errors import InputError
 from reference_tracer.camera_rays import camera_wave
+from reference_tracer.surfaces.outside import Outside
+from reference_tracer.film import HIT
+from reference_tracer.render import render
 from reference_tracer.world import World
 
 
@@ -125,21 +128,26 @@ def test_a_proof_that_claims_too_much_is_contradicted(monkeypatch):
     assert any(fault == "proof contradicted" for fault, _, _ in _faults(certificate))
 
 
-def test_a_box_that_cuts_its_surface_is_found():
-    """The proofs believe a formula's box; python-flint does not look at it."""
+def test_a_box_that_cuts_its_surface_is_found(monkeypatch):
+    """The proofs believe a formula's box, which is checked when a scene is read; python-flint does not look at it."""
     box = {"low": [-0.5, -1.1, -1.1], "high": [0.5, 1.1, 1.1]}
+    monkeypatch.setattr("reference_tracer.surfaces.expression.outside", lambda *_, **__: Outside(1))
     scene = make_scene(thing("expression", (0, 0, 3), {}, "cut ball", formula="x**2 + y**2 + z**2 - 1", bounds=box))
     certificate = certify(scene, sample=400, paths=0)
     assert ("proof contradicted", "primary", "cut ball") in _faults(certificate)
 
 
 def test_coinciding_surfaces_are_undecided_and_say_so():
-    """Two equal balls in one place: no arithmetic tells which is hit."""
+    """Two equal balls in one place: no arithmetic tells which is hit, and a picture that decides it does not hold (M4)."""
     ball = lambda name, c: thing("sphere", (0, 0, 3), {"color": c}, name, r=1)
-    certificate = certify(make_scene(ball("red", (1, 0, 0)), ball("blue", (0, 0, 1)), lights=()), sample=50, paths=4)
+    scene = make_scene(ball("red", (1, 0, 0)), ball("blue", (0, 0, 1)), lights=())
+    certificate = certify(scene, sample=50, paths=4)
     primary = certificate.kinds["primary"]
-    assert primary.undecided > 30 and primary.undecided + primary.misses == primary.rays and certificate.passed
+    assert primary.undecided > 30 and primary.undecided + primary.misses == primary.rays
     assert {f.fault for f in certificate.undecided} == {"two surfaces at one distance"}
+    decided = (render(scene, "exact").status == HIT).any()
+    assert certificate.passed == (not decided)
+    assert {f.fault for f in certificate.findings} == ({"decided at a tie"} if decided else set())
 
 
 def test_a_touching_ray_is_settled_by_exact_arithmetic():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from reference_tracer.certify.line import follow
+from reference_tracer.certify.line import follow, ray_polynomial
 from reference_tracer.certify.origins import starts_along, starts_on
 from reference_tracer.certify.reasons import why
 from reference_tracer.surfaces.expression import Expression
@@ -135,6 +135,36 @@ def test_reasons_name_what_is_special_about_a_ray():
     assert told(0.5) == "rounding hides the sign of f"
     triple = follow(Heart(), (-3.0, 0.0, 0.0), (1.0, 0.0, 0.0), False, 30.0)
     assert why(Heart(), (-3.0, 0.0, 0.0), (1.0, 0.0, 0.0), triple, 30.0) == "crosses at a multiple root"
-    assert starts_on(ball, np.array([1 + 1e-15, 0, 0])) and not starts_on(ball, np.array([1 + 1e-6, 0, 0]))
-    assert starts_along(ball, np.array([1.0, 0, 0]), np.array([1e-9, 0, 1.0]))
-    assert not starts_along(ball, np.array([1.0, 0, 0]), np.array([0.6, 0, 0.8]))
+
+
+def test_where_a_ray_starts_is_told_by_enclosures_of_any_f():
+    """Distances are those of the ball, whatever its gradient does: it vanishes on the cube, is infinite on the root.
+
+    A power of a ball that spans most of its size reaches down to zero: there the surface is excluded from nearer only.
+    """
+    for formula, excluded in (("{}", 0.99), ("({})**3", 0.2), ("cbrt({})", 0.99),
+                              ("sqrt(x**2 + y**2 + z**2) - 1 + 0*{}", 0.99)):
+        ball = Expression(formula=formula.format("(x**2 + y**2 + z**2 - 1)"))
+        for distance in (2.0**-50, -(2.0**-30)):
+            o = (1 + distance, 0.0, 0.0)
+            assert starts_on(ball, o, 1.01 * abs(distance)) and not starts_on(ball, o, excluded * abs(distance))
+        assert starts_on(ball, (5.0, 0.0, 0.0), math.inf)
+    ball = BALLS["sphere"]
+    assert starts_along(ball, (1.0, 0.0, 0.0), (-1e-14, 0.0, 1.0))
+    assert not starts_along(ball, (1.0, 0.0, 0.0), (1e-9, 0.0, 1.0))
+    cube = Expression(formula="(x**2 + y**2 + z**2 - 1)**3")
+    assert starts_along(cube, (1.0, 0.0, 0.0), (0.6, 0.0, 0.8)) and not starts_along(cube, (1.01, 0.0, 0.0), UP)
+
+
+@pytest.mark.parametrize("ball", BALLS.values(), ids=BALLS)
+def test_a_ray_from_the_wrong_side_that_never_comes_back_is_undecided(ball):
+    """Known inside, outside by 2^-40, and heading in so flatly that it passes by."""
+    line = follow(ball, (1 + 2.0**-40, 0.0, 0.0), (-(2.0**-42), 0.0, 1.0), True, 30.0)
+    assert line.undecided == "starts on the wrong side of the surface and does not come back" and line.wrong_start
+
+
+def test_f_is_decided_as_it_is_written_where_that_is_a_polynomial():
+    torus, power = Torus(R=2.0, r=0.5), Expression(formula="(x**2 + y**2 + z**2 - 1)**5")
+    assert power.exact_form is power.function and torus.exact_form is torus.polynomial_form
+    assert Expression(formula="sin(x) + y").exact_form is None
+    assert ray_polynomial(power, (0.0, 0.0, -3.0), UP).p.degree() == 10

@@ -27,7 +27,8 @@ def test_floats_enter_as_the_dyadic_numbers_they_are():
 
 def test_what_is_not_a_polynomial_is_refused():
     x, _, _ = RationalPolynomial.along((0.1, 0.2, 0.3), (0.5, 0.25, 0.0))
-    for attempt in (lambda: fn.sqrt(x), lambda: 1 / x, lambda: fn.maximum(x, 0.0), lambda: x**-1):
+    for attempt in (lambda: fn.sqrt(x), lambda: 1 / x, lambda: fn.maximum(x, 0.0), lambda: x**-1, lambda: fn.power(x, 0.5),
+                    lambda: 1 / (x - x), lambda: x / 0.0):
         with pytest.raises(NotAlgebraic):
             attempt()
 

@@ -9,7 +9,7 @@ import pytest
 from comparisons.attribution import derived, side, wrong
 from comparisons.attribution.asked import Asked
 from comparisons.attribution.attribute import attribute
-from comparisons.attribution.bounds import SINGLE, bounds
+from comparisons.attribution.bounds import SINGLE, accuracy_of, bounds
 from comparisons.attribution.records import STAGES
 from reference_tracer.errors import InputError
 from reference_tracer.render import render
@@ -184,3 +184,11 @@ def test_pictures_are_made_once():
     asked = Asked(lambda s: made.append(s.hash) or right(s), right)
     scene = effect("mixing", 24, 18)
     assert asked.pair(scene) is asked.pair(scene) and len(made) == 1
+
+
+def test_a_mesh_whose_error_is_not_measurable_is_held_to_nothing():
+    picture = right(effect("mixing", 24, 18))
+    measured = replace(picture, metadata={"renderer": "embree", "scene": "mixing", "measured_mesh_error": 1e-3})
+    assert accuracy_of([picture, measured]).unit > SINGLE.unit
+    with pytest.raises(InputError, match="embree.*not measurable"):
+        accuracy_of([picture, replace(measured, metadata={**measured.metadata, "measured_mesh_error": None})])

@@ -5,10 +5,11 @@ from dataclasses import astuple
 import numpy as np
 import pytest
 
+from comparisons.results import Run
 from comparisons.verdicts import metrics, tolerances
 from comparisons.verdicts.judge import judge
 from comparisons.verdicts.metrics import GRAZING
-from comparisons.verdicts.tolerances import MESH, NATIVE
+from comparisons.verdicts.tolerances import MESH, NATIVE, unmeasured
 from reference_tracer.render import UNDECIDED
 
 SIDE = 64
@@ -152,3 +153,10 @@ def test_every_limit_says_where_it_comes_from():
     assert numbers | {tolerances.ON_EDGES, tolerances.REPEATED, tolerances.ANALYTICAL, tolerances.NUMERICAL} == {
         limit.value for limit in limits}
     assert all(limit.unit and limit.by for limit in limits)
+
+
+@pytest.mark.parametrize("facts, proves", [({}, True), ({"measured_mesh_error": 0.0}, True),
+                                           ({"measured_mesh_error": 1e-4}, True), ({"measured_mesh_error": None}, False)])
+def test_a_mesh_of_unknown_error_proves_nothing(facts, proves):
+    run = Run(key="", scene="ball", renderer="embree", title="Embree", state="ok", facts=facts, command="")
+    assert (unmeasured(run) == "") == proves

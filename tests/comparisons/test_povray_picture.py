@@ -31,6 +31,8 @@ CORE = thing(Sphere(center=(0.2, 0.3, 4.0), r=0.5), color=(0.9, 0.5, 0.4), trans
              reflection=0.2)
 TURN = Rotation(axis=(1.0, 0.4, 0.2), degrees=35.0)
 CUBE = Bounds(low=(-1.0,) * 3, high=(1.0,) * 3)
+INNER = Bounds(low=(-0.8,) * 3, high=(0.8,) * 3)
+LOWER = Bounds(low=(-2.0, -2.0, -0.5), high=(2.0, 0.3, 2.0))
 
 
 def scene(*objects, position=(0.0, 0.0, 0.0), **parts):
@@ -58,6 +60,15 @@ SCENES = {
                                color=(0.3, 0.8, 0.4)),
                          thing(Expression(formula="y + 1.2 - 0.1*sin(3*x)*cos(2*z)"), color=(0.9, 0.7, 0.3)),
                          tracing=Tracing(max_distance=15.0)),
+    # a half-space, a ring, a corner block with a ball taken out of it, and glass: all of them isosurfaces of max(f, ...)
+    "isosurfaces of clipped solids": scene(
+        DULL, thing(Plane(center=(-1.4, 0.3, 5.0), a=0.3, b=1.0, c=0.2, clip=CUBE), TURN, color=(0.9, 0.2, 0.2)),
+        thing(Torus(center=(0.0, 0.5, 4.0), R=0.7, r=0.2, clip=LOWER), TURN, color=(0.2, 0.3, 0.9)),
+        thing(Sphere(center=(1.5, 0.2, 5.0), r=0.9, clip=INNER, inside="positive"), TURN, color=(0.2, 0.9, 0.2)),
+        thing(Paraboloid(center=(0.0, 2.0, 7.0), a=0.9, b=0.6, clip=CUBE), TURN, color=(0.9, 0.8, 0.2)),
+        tracing=Tracing(max_distance=15.0)),
+    "isosurface of clipped glass": scene(DULL, thing(Sphere(center=(0.0, 0.2, 4.0), r=1.0, clip=LOWER), TURN,
+                                                     transparency=0.7, refractive_index=1.3, reflection=0.1)),
 }
 
 
@@ -73,11 +84,11 @@ def largest(color, of: Scene, exact=None):
 def test_pov_ray_sees_what_the_reference_sees(name):
     of = SCENES[name]
     exact, picture = render(of, "exact"), povray.render(of)
-    limit = 2e-4 if "isosurfaces" in name else 2e-5
+    limit = 2e-4 if "isosurface" in name else 2e-5
     assert largest(picture.color, of, exact) <= limit
     assert (picture.index == exact.index).all() and (picture.status == exact.status).all()
     hit = exact.index >= 0
-    assert np.all(np.abs(picture.t[hit] - exact.t[hit]) <= (1e-6 if name == "isosurfaces" else 1e-10) * exact.t[hit])
+    assert np.all(np.abs(picture.t[hit] - exact.t[hit]) <= (1e-6 if "isosurface" in name else 1e-10) * exact.t[hit])
     # slopes have 16 bits of pi, the chord of half a step is 2.4e-5 an axis
     assert np.linalg.norm(picture.normal - exact.normal, axis=-1)[hit].max() <= 3 * 2.4e-5
     assert picture.metadata["cpu"] >= 0 and picture.metadata["first"] > 0 and picture.metadata["holes"] == ""

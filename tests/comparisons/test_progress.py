@@ -60,6 +60,8 @@ def test_the_time_left_follows_from_the_share(monkeypatch, share, elapsed, left)
     bar._start = time.monotonic() - elapsed - 0.5
     bar.to(share)
     assert left[:-7] in bar.line  # the seconds may move on between the two looks at the clock
+    bar._moved = time.monotonic() - 60
+    assert "left" not in bar.line, "work that has stood still for a minute tells nothing of what is left"
 
 
 def test_a_terminal_shows_a_bar_and_is_left_clean():

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from converters.mesh import check
-from converters.mesh.reach import reach
+from converters.povray import convert as convert_to_povray
+from reference_tracer.reach import reach
 from reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Tracing
-from reference_tracer.surfaces import Expression, Paraboloid, Plane, Sphere
+from reference_tracer.surfaces import Bounds, Expression, Paraboloid, Plane, Sphere
 
 FLOOR = Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0)
 MIRROR = Material(reflection=0.5)
@@ -102,3 +103,17 @@ def test_an_unbounded_cylinder_is_cut(mesh_of):
     assert not found.watertight and found.consistent and found.euler_number == 0 and not found.faults(mesh)
     length = np.ptp(mesh.vertices[:, 2])
     assert length >= 20 and found.area == pytest.approx(2 * math.pi * length, rel=3e-3)
+
+
+def test_bounds_that_are_not_proven_are_a_mesh_s_region_and_no_more(mesh_of, scene_of):
+    """f is not defined behind the camera, so that no proof reaches everywhere; the ball is meshed where it is promised."""
+    box = Bounds(low=(-1.0,) * 3, high=(1.0,) * 3)
+    ball = Expression(center=(0.0, 0.0, 4.0), formula="x**2 + y**2 + z**2 - 1 + 0*sqrt(z + 20)", bounds=box)
+    mesh = mesh_of(ball)
+    assert check(mesh).watertight and not mesh.closed and mesh.clipped == "bounds not proven"
+    assert abs(check(mesh).volume - 4 / 3 * math.pi) < check(mesh).area * mesh.error
+    proven = mesh_of(Expression(formula="x**2 + y**2 + z**2 - 1", bounds=box))
+    assert proven.closed and proven.clipped == ""
+    assert "bounds not proven" in convert_to_povray(scene_of(ball)).remark
+    mirror = scene_of(Object(surface=ball, material=MIRROR), tracing=Tracing(max_distance=10.0, max_depth=3))
+    assert reach(mirror)[1, 0] == pytest.approx(40)  # as if it could be met anywhere

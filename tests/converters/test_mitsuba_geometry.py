@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from comparisons.renderers.embree import render as render_embree
 from comparisons.renderers.mitsuba import render as render_mitsuba
 from converters.mitsuba import convert, pixel_directions, sensor
 from converters.mitsuba.variant import mi
@@ -10,7 +11,7 @@ from reference_tracer.camera import canvas_point, frame
 from reference_tracer.errors import InputError
 from reference_tracer.render import render
 from reference_tracer.scene.model import Camera, Material, Object, Rotation, Tracing
-from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from reference_tracer.surfaces import Bounds, Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
 
 ASKEW = Camera(position=(0.3, 0.5, -1.0), direction=(0.1, -0.2, 1.0), up=(0.2, 1.0, 0.1), fov=50.0, width=96, height=72)
 
@@ -176,3 +177,15 @@ def test_max_distance_ends_every_ray(scene_of):
         picture = render_mitsuba(scene_of(mirror, behind, background=(0.5, 0.5, 0.5), width=1, height=1, lights=(),
                                           tracing=Tracing(max_distance=max_distance)), shapes="native", repeat=False)
         assert picture.color[0, 0] == pytest.approx([expected] * 3)  # the wall is unlit
+
+
+def test_a_mesh_whose_error_is_not_measurable_says_so(scene_of):
+    """A pole looks like a surface to a mesh; the picture's own account of it holds no number then."""
+    box = Bounds(low=(-1.0,) * 3, high=(1.0,) * 3)
+    jump = Expression(center=(0.0, 0.0, 4.0), formula="max(1/(x - 0.5), x**2 + y**2 + z**2 - 1)", clip=box)
+    scene = scene_of(jump, Sphere(center=(2.0, 0.0, 4.0), r=0.5))
+    assert [p.error is None for p in convert(scene, "mesh", 32).parts] == [True, False]
+    for picture in (render_mitsuba(scene, resolution=32, repeat=False), render_mitsuba(scene, resolution=32, refined=True),
+                    render_embree(scene, resolution=32)):
+        assert picture.metadata["measured_mesh_error"] is None
+    assert render_embree(scene_of(Sphere(r=0.5)), resolution=32).metadata["measured_mesh_error"] > 0

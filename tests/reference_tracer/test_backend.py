@@ -55,6 +55,53 @@ def test_the_user_s_choice_of_llvm_is_never_overridden():
     assert chosen_in_a_fresh_process("/chosen/by/the/user.so") == ["/chosen/by/the/user.so", "False"]
 
 
+RENDERS = """
+import sys
+import raytruth
+scene = raytruth.find_scene("effect-shadow").resized(8, 6)
+try:
+    print(raytruth.render(scene).metadata["rays"])
+except raytruth.InputError as error:
+    sys.exit(f"refused: {error}")
+"""
+CONVERTS = """
+import sys
+from reference_tracer.errors import InputError
+try:
+    import converters.mitsuba.variant
+except InputError as error:
+    sys.exit(f"refused: {error}")
+"""
+
+
+@pytest.mark.parametrize("first, then", [
+    ("import drjit", RENDERS), ("import drjit.llvm as l; import drjit; drjit.eval(l.Float([1, 2]) + 1)", RENDERS),
+    ("import mitsuba; mitsuba.set_variant('llvm_ad_rgb')", RENDERS),
+    ("import drjit", CONVERTS), ("import mitsuba; mitsuba.set_variant('scalar_rgb')", CONVERTS)])
+def test_an_llvm_that_somebody_else_has_loaded_is_used_or_refused_in_one_sentence(tmp_path, first, then):
+    """Old ones abort the process on some kernels. From another folder, as a user's program would."""
+    environment = {key: value for key, value in os.environ.items() if key != llvm.VARIABLE}
+    root = os.path.dirname(os.path.dirname(llvm.__file__))
+    program = f"import sys; sys.path.insert(0, {root!r})\n{first}\nimport drjit; print(drjit.detail.llvm_version()[0])\n{then}"
+    process = subprocess.run([sys.executable, "-c", program], env=environment, cwd=tmp_path, capture_output=True, text=True)
+    if not process.stdout:
+        assert "llvm" in process.stderr.lower()  # Dr.Jit itself finds none on this machine
+    elif int(process.stdout.split()[0]) >= llvm.OLDEST:
+        assert process.returncode == 0, process.stderr
+    else:
+        assert process.returncode == 1 and process.stderr.count("\n") == 1
+        assert process.stderr.startswith("refused: drjit or mitsuba was imported before raytruth")
+        assert "import raytruth first" in process.stderr
+
+
+def test_an_old_llvm_of_the_user_s_choice_is_refused_by_its_name(monkeypatch):
+    monkeypatch.setenv(llvm.VARIABLE, "/chosen/libLLVM-15.so")
+    monkeypatch.setattr(dr.detail, "llvm_version", lambda: (15, 0, 6))
+    monkeypatch.setattr(llvm, "chosen_by_user", True)
+    with pytest.raises(InputError, match="^/chosen/libLLVM-15.so is LLVM 15.0.6, whose kernels may abort .*install karellen"):
+        llvm.require()
+
+
 def test_a_missing_backend_is_told(monkeypatch):
     monkeypatch.setenv(llvm.VARIABLE, "")
     with pytest.raises(InputError, match="LLVM"):

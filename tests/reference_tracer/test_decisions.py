@@ -247,3 +247,25 @@ def test_R4_directions_stay_of_unit_length_through_sixty_reflections(method):
     assert len(generations) == 61 and len(generations[-1].pixel) == 108
     for generation in generations[1:]:
         np.testing.assert_allclose(np.sum(generation.d**2, axis=1), 1, rtol=0, atol=7e-16)
+
+
+@pytest.mark.parametrize("method", TRUTHS)
+@pytest.mark.parametrize("factor", ["1e-280", "1e-160", "1", "1e153", "1e154", "1e200", "1e290"])
+def test_N1_a_normal_does_not_depend_on_the_scale_of_f(factor, method):
+    """c f has the normals of f; the square of a gradient of size c leaves the floats beyond 1e154 and below 1e-154. The
+    closed form of the unit ball's normal, and the light that it lets a lamp at the camera give."""
+    ball = formula(f"{factor}*(x*x + y*y + z*z - 1)", center=(0, 0, 4))
+    picture = render(make_scene(ball, size=(9, 7), camera={"fov": 25}, lights=[((0, 0, 0), (1, 1, 1))]), method)
+    met = picture.index == 0
+    assert met.sum() > 40 and not np.any(picture.status == UNDECIDED)
+    np.testing.assert_allclose(picture.normal[met], (picture.position - (0, 0, 4))[met], rtol=0, atol=1e-11)
+    cosine = -np.sum(picture.normal * unit(picture.position), axis=-1)
+    np.testing.assert_allclose(picture.color[..., 0][met], cosine[met], rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("text", ["1e308*sin(400 - 100*z)", "1e-310*(4 - z)"])
+def test_N1_where_the_gradient_leaves_the_floats_a_pixel_is_undecided(text):
+    """Gradients of 1e310, where f itself is finite, and of 1e-310; the literal method meets both at z = 4."""
+    near = dict(camera={"position": [0, 0, 3.9995]}, step_size=0.0002, max_distance=0.01) if "308" in text else {}
+    picture = render(make_scene(formula(text), lights=[((0, 0, 0), (1, 1, 1))], **near), "paper")
+    assert picture.index.tolist() == [[0]] and picture.status.tolist() == [[UNDECIDED]]

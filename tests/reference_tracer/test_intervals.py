@@ -148,7 +148,8 @@ UNDEFINED = {
     "1/[-1, 1]": (lambda a: 1 / a, -1.0, 1.0), "1/[0, 1]": (lambda a: 1 / a, 0.0, 1.0),
     "1/[-1, 0]": (lambda a: 1 / a, -1.0, 0.0), "a/a": (lambda a: a / a, -1.0, 2.0),
     "[-1, 1]^-2": (lambda a: a**-2, -1.0, 1.0), "[0, 1]^-1": (lambda a: a**-1, 0.0, 1.0),
-    "sqrt [-1, 4]": (fn.sqrt, -1.0, 4.0), "log [0, 1]": (fn.log, 0.0, 1.0), "log [-1, 1]": (fn.log, -1.0, 1.0),
+    "sqrt [-1, 4]": (fn.sqrt, -1.0, 4.0), "log [-1, 1]": (fn.log, -1.0, 1.0),
+    "[-1, 4]^2.5": (lambda a: fn.power(a, 2.5), -1.0, 4.0), "[-1, 4]^0.3": (lambda a: fn.power(a, 0.3), -1.0, 4.0),
     "tan [1, 2]": (fn.tan, 1.0, 2.0)}
 
 
@@ -156,13 +157,24 @@ UNDEFINED = {
 @pytest.mark.parametrize("name", UNDEFINED)
 @pytest.mark.filterwarnings("ignore:divide by zero")
 def test_where_an_operation_is_undefined_nothing_is_concluded(name, kind):
-    """A pole, a root or a logarithm of a negative number lies inside: the answer is the whole line."""
+    """A pole inside: the answer is the whole line. A root or a logarithm of a negative number: it is NaN, also of a function
+    whose values are bounded."""
     phi, low, high = UNDEFINED[name]
-    low, high = enclose(phi, Interval, kind, (np.full(COUNT, low), np.full(COUNT, high)))
-    assert np.all(low == -math.inf) and np.all(high == math.inf)
+    bounds = np.full(COUNT, low), np.full(COUNT, high)
+    for number in (Interval, OutwardInterval):
+        low, high = enclose(phi, number, kind, bounds)
+        if any(function in name for function in ("sqrt", "log", ".")):
+            for bounded in (fn.cos, fn.sin, lambda a: 1 / (1 + fn.exp(a)), lambda a: fn.minimum(a, 1.0), lambda a: 1 / a,
+                            lambda a: 1 / (a - a), fn.tan, lambda a: a**2, lambda a: fn.power(a**2, 0.5), fn.absolute):
+                low, high = enclose(lambda a: bounded(phi(a)), number, kind, bounds)
+                assert np.all(np.isnan(low) | np.isnan(high))
+        else:
+            assert np.all(low == -math.inf) and np.all(high == math.inf)
 
 
 TIGHT = {
+    "log [0, 1]": (fn.log, 0.0, 1.0, (-math.inf, 0)), "[0, 4]^2.5": (lambda a: fn.power(a, 2.5), 0.0, 4.0, (0, 32)),
+    "[0, 4]^0.3": (lambda a: fn.power(a, 0.3), 0.0, 4.0, (0, 4**0.3)),
     "sqrt [0, 4]": (fn.sqrt, 0.0, 4.0, (0, 2)), "[-1, 3]^2": (lambda a: a**2, -1.0, 3.0, (0, 9)),
     "a a": (lambda a: a * a, -3.0, 1.0, (0, 9)), "[-2, 1]^3": (lambda a: a**3, -2.0, 1.0, (-8, 1)),
     "cos [-1, 1]": (fn.cos, -1.0, 1.0, (math.cos(1), 1)), "sin [0, 4]": (fn.sin, 0.0, 4.0, (math.sin(4), 1)),
@@ -202,3 +214,14 @@ def test_outward_rounding_covers_results_that_underflow_in_every_thread():
     a = np.full(100_000, 1e-200)
     product = OutwardInterval(Float(a), Float(2 * a)) * OutwardInterval(Float(a), Float(2 * a))
     assert np.all(product.high.numpy() > 0) and np.all(product.low.numpy() <= 0)
+
+
+def test_slopes_that_are_plain_numbers_keep_their_digits():
+    """The slope of max(0.3 x, -0.7 x) is 0.3, -0.7 or between them: in double precision, not in single."""
+    x = backend().Float([-2.0, -0.5, 1.0])
+    value = Dual(OutwardInterval(x, x + 1), (1.0,))
+    slope = OutwardInterval.of((value * 0.3).maximum(value * -0.7).derivative())
+    low, high = (np.array(b) for b in (slope.low, slope.high))
+    np.testing.assert_allclose(low, [-0.7, -0.7, 0.3], rtol=4e-16)
+    np.testing.assert_allclose(high, [-0.7, 0.3, 0.3], rtol=4e-16)
+    assert (low <= [-0.7, -0.7, 0.3]).all() and (high >= [-0.7, 0.3, 0.3]).all()

@@ -52,11 +52,35 @@ def test_bands_and_split_waves_give_the_same_picture(monkeypatch, most, samples)
     assert max(lengths) <= max(most, samples**2, 2) and len(lengths) > 6  # undivided: 5 generations
 
 
-def test_progress_reaches_one_in_steps(monkeypatch):
+@pytest.mark.parametrize("adaptive", [0, 0.01])
+def test_progress_rises_to_one_wave_by_wave(monkeypatch, adaptive):
+    """Within a band too: an interrupted look never sees it fall, and the end of each band is where it must be."""
     limited(monkeypatch, 20)
     seen = []
-    render(make_scene(*OBJECTS, size=(10, 7), **COMMON), progress=seen.append)
-    assert seen == pytest.approx([2 / 7, 4 / 7, 6 / 7, 1])
+    render(make_scene(*OBJECTS, size=(10, 7), samples=2 if adaptive else 1, adaptive=adaptive, **COMMON),
+           progress=seen.append)
+    assert seen == sorted(seen) and seen[-1] == 1 and len(seen) > 8
+    if not adaptive:
+        assert all(min(abs(share - end / 7) for share in seen) < 1e-12 for end in (2, 4, 6))
+
+
+def test_deep_waves_are_split_so_that_all_generations_fit(monkeypatch):
+    """Two mirrors and a ball of glass between them: every generation holds rays that go on. The picture stays."""
+    scene = make_scene(*OBJECTS, size=(40, 30), **COMMON | {"max_depth": 12})
+    whole = render(scene)
+    monkeypatch.setattr(wavefront, "MOST_HELD", 1000 * (92 + 16))  # bytes of a row whose sides fill one word
+    monkeypatch.setattr(wavefront, "LEAST_PART", 16)
+    held, most = {}, []
+
+    class Counting(wavefront.Wavefront):
+        def _traced(self, source, film, generation, primary):
+            held[generation] = len(source.wave(self.world, 0))
+            most.append(sum(rows for g, rows in held.items() if 0 < g <= generation))
+            return super()._traced(source, film, generation, primary)
+
+    monkeypatch.setattr(render_module, "Wavefront", Counting)
+    assert_same(whole, render(scene))
+    assert max(most) <= 1000 + 16 * 12 and max(held) == 12
 
 
 def test_threads_do_not_change_the_picture():

@@ -17,10 +17,14 @@ from types import FunctionType
 import pytest
 import test_camera as camera
 import test_decisions as decisions
+import test_formulas as formulas
 import test_image_files as image_files
+import test_odd_parts as odd_parts
 import test_refraction as refraction
 import test_shading as shading
 import test_surfaces as surfaces
+import test_ties as ties
+import test_wavefront_against_recursion as against_recursion
 
 import reference_tracer
 from reference_tracer.errors import InputError
@@ -72,6 +76,24 @@ MUTANTS = {
     "O5 nine two-hundredths": Mutant(
         "z**2 * y**3 * 9 / 80", "z**2 * y**3 * 9 / 200",
         surfaces.test_O5_the_heart_s_constant_is_nine_eightieths),
+    "O6 the sign of the constant dropped": Mutant(
+        "self.sign *= 1 if value > 0 or m % 2 == 0 else -1", "pass",
+        odd_parts.test_O6_the_regular_form_has_the_sign_of_f),
+    "O6 the sign of an expansion dropped": Mutant(
+        "self.sign *= 1 if constant > 0 else -1", "pass",
+        odd_parts.test_O6_the_regular_form_has_the_sign_of_f),
+    "O6 a factor of even multiplicity kept": Mutant(
+        "if m % 2 or not is_defined(tree)]", "]",
+        odd_parts.test_O6_a_formula_that_never_changes_sign_has_no_surface, (f"{odd_parts.BALL}**2", "exact")),
+    "O6 an even multiplicity of an expansion kept": Mutant(
+        "for q, m in factors if m % 2 and q.total_degree() > 0", "for q, m in factors if q.total_degree() > 0",
+        odd_parts.test_O6_the_regular_form_has_the_sign_of_f),
+    "one family whatever the whole exponents": Mutant(
+        'return f"{written(base)}**{n}" if n >= 0', 'return f"{written(base)}**n" if n >= 0',
+        formulas.test_numbers_are_no_part_of_a_family_but_exponents_and_structure_are),
+    "one family with and without bounds": Mutant(
+        "{'' if self.box() else ' without bounds'}", "",
+        formulas.test_what_chooses_a_method_is_the_same_in_a_whole_family),
     # sections 4.1 and 4.2
     "M1 a double root is a hit": Mutant(
         "enters = (self.half_squared > 0)", "enters = (self.half_squared >= 0)",
@@ -80,22 +102,39 @@ MUTANTS = {
         "dr.floor(known / self.step_size) - 1", "known / self.step_size",
         decisions.test_M2_samples_lie_at_multiples_of_the_step_counted_from_one),
     "M2 side read off f": Mutant(
-        "ray.sides.test(member.index), order)",
-        "member.solid.inside_at(member.local(ray.o, ray.d), 0.0), order)",
+        "ray.sides.test(member.index), limit)",
+        "member.solid.inside_at(member.local(ray.o, ray.d), 0.0), limit)",
         decisions.test_M2_the_side_at_the_start_is_told_and_not_read_off_f, ("exact",)),
     "M3 refraction keeps its side": Mutant(
         "self.words[0] ^ (bits(1) << bit)", "self.words[0]",
         refraction.test_M3_a_ball_turns_rays_twice_by_the_same_angle, ("exact",)),
     "M3 the camera is always outside": Mutant(
-        "is_inside(o, self.scene.camera.position)", "False",
+        "is_inside(o, self.scene.camera.position, literal(o))", "False",
         decisions.test_M3_a_camera_ray_starts_with_the_sign_of_f_at_the_camera, ("exact",)),
     "M3 an epsilon": Mutant(
         "Ray(pick(arrays.Vector, parents.point, active), d, sides)",
         "Ray(pick(arrays.Vector, parents.point, active) + d * 1e-4, d, sides)",
         decisions.test_M3_nothing_is_offset_by_an_epsilon, ("exact",)),
     "M4 the first in the scene's order": Mutant(
-        "((c.order < order) | ((c.order == order) & (c.t < t)))", "(c.order < order)",
+        "((c.order < order) | ((c.order == order) & earlier))", "(c.order < order)",
         decisions.test_M4_of_several_changes_in_one_step_the_nearest_counts, ("sphere", (0, 1))),
+    "M4 the last of equal objects": Mutant(
+        "(member.index < index)", "(member.index > index)",
+        ties.test_M4_the_literal_method_takes_the_first_of_two_equal_objects_and_decides, ("sphere", "sphere")),
+    "M4 the last of those that tie": Mutant(
+        "dr.minimum(first, member.index)", "member.index", ties.test_M4_coplanar_faces, ("exact",)),
+    "M4 the nearest of the computed distances": Mutant(
+        "dr.select(crossed, first, index)", "index",
+        ties.test_M4_of_one_ball_twice_the_first_is_seen_and_its_pixels_are_undecided, ("sphere", "formula")),
+    "M4 ties decided": Mutant(
+        "undecided | ~crossed | (tied > 1)", "undecided | ~crossed",
+        ties.test_M4_of_one_ball_twice_the_first_is_seen_and_its_pixels_are_undecided, ("sphere", "sphere")),
+    "M4 everything near is undecided": Mutant(
+        "(tied > 1)", "(tied > 0)", ties.test_M4_what_is_decided_of_near_ties_is_right, ("spheres", 1e-12)),
+    "M4 nobody looks beyond the nearest": Mutant(
+        "limit = margin.end(order) if looks_beyond else order", "limit = order",
+        ties.test_M4_the_order_of_the_scene_counts_and_not_that_of_families_or_clusters,
+        ("interval", ("formula", "sphere"))),
     "M5 rays of twice the length": Mutant(
         "dr.select(usable, self.max_distance, 0)", "dr.select(usable, 2 * self.max_distance, 0)",
         decisions.test_M5_every_ray_ends_at_max_distance_counted_anew, ("exact",)),
@@ -169,6 +208,22 @@ MUTANTS = {
         shading.test_D2_rays_that_hit_nothing_see_the_background, ("exact",)),
 }
 
+EVERY_RULE = against_recursion.test_paper_on_small_scenes, ("every function",)
+ORACLE = {  # what the fast tracer derives: the oracle has its own, and tells
+    "sides": Mutant("-np.inf < obj.surface(*local) < 0", "-np.inf < obj.surface(*local) < 50",
+                    against_recursion.test_paper_on_small_scenes, ("balls of glass and of mirror",)),
+    "rotation": Mutant("+ sin * cross", "- sin * cross", against_recursion.test_exact_on_small_scenes,
+                       ("turned quadrics",)),
+    "sine": Mutant("self._chain(fn.sin(self.value), fn.cos(self.value))",
+                   "self._chain(fn.sin(self.value), -fn.cos(self.value))", *EVERY_RULE),
+    "exponential": Mutant("return self._chain(power, power)", "return self._chain(power, power * 1.001)", *EVERY_RULE),
+    "product": Mutant("_plus(_times(da, other.value), _times(db, self.value))",
+                      "_plus(_times(da, self.value), _times(db, other.value))", *EVERY_RULE),
+    "power": Mutant("n * self.value ** (n - 1)", "self.value ** (n - 1)", *EVERY_RULE),
+    "larger": Mutant("else fn.where_larger(self.value, other.value,", "else fn.where_larger(other.value, self.value,",
+                     *EVERY_RULE),
+}
+
 
 def put_in_place(mutant: Mutant, folder: Path, monkeypatch) -> None:
     """Replaces the functions and methods of one module by those of its mutant, wherever they have been imported."""
@@ -203,6 +258,15 @@ def test_the_tests_notice_a_mutant(name, tmp_path, monkeypatch):
     with pytest.raises((AssertionError, ValueError)) as noticed:
         mutant.check(*mutant.arguments)
     assert not isinstance(noticed.value, InputError)  # that would be a check asked wrongly
+
+
+@pytest.mark.parametrize("name", ORACLE)
+def test_the_oracle_notices_a_mutant_of_what_it_does_not_share(name, tmp_path, monkeypatch):
+    """Derivatives, sides and rotations of recursive.py are its own: a fault in the fast tracer's parts the two."""
+    mutant = ORACLE[name]
+    put_in_place(mutant, tmp_path, monkeypatch)
+    with pytest.raises(AssertionError):
+        mutant.check(*mutant.arguments)
 
 
 @pytest.mark.parametrize("name", ["E1 as printed", "L3 once for an object", "O2 plane turned over",

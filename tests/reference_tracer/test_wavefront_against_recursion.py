@@ -77,10 +77,16 @@ SCENES = {
     "flipped side": ([thing("sphere", (0, 0, 4), r=1, inside="positive", material=GLASS), FLOOR], {}),
     "samples": ([thing("sphere", (0, 0, 4), r=1, material=MIRROR), FLOOR], {"samples": 2, "size": (16, 12)}),
 }
+# defined, without poles, wherever a ray may get to: next to a pole Newton's literal iterates are chaos
+EVERY_FUNCTION = ("x**2 + y**2 + z**2 - 1.2 + 0.2*sin(3*x)*cos(2*y) + tan(z/20) + 0.1*exp(x) - log(z + 20)"
+                  " + 0.5*sqrt(x + 20) + 0.3*cbrt(y + 20) + 0.3*abs(x - 0.1) + 0.2*max(y, 0.2 + x) + 0.2*min(z, 0.1 - y)"
+                  " + x/(y + 20) + 3/(z + 20) + 100*(y + 20)**-2 - 0.02*(x + 20)**1.5 + (z/20 + 1)**(x/20 + 1) - 0.05*2**z")
 MARCHED = {
     "hearts": ([thing("heart", (-0.4, 0.2, 3), material=MIRROR, rotation=TURN), FLOOR], {}),
     "formula": ([thing("expression", (0, 0, 4), formula="x**4 + y**4 + z**4 - 1 + 0.2*sin(5*x)", material=GLASS,
                        bounds={"low": [-1.3, -1.3, -1.3], "high": [1.3, 1.3, 1.3]}), FLOOR], {}),
+    "every function": ([thing("expression", (0, 0, 4), formula=EVERY_FUNCTION, material=MIRROR), FLOOR],
+                       {"step_size": 0.05}),
     "spindle": ([thing("torus", (0, 0, 4), R=0.4, r=0.8, rotation=TURN, material=MIRROR), FLOOR], {}),
     "as printed": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS), FLOOR], {"refraction": "as_printed"}),
     "large steps": ([thing("sphere", (-0.6, 0, 4), r=1, material=GLASS), thing("sphere", (1, 0, 4), r=0.5), FLOOR],

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from reference_tracer.families import BOX_MARGIN
+from reference_tracer.surfaces.outside import BOX_MARGIN
 
 from ..exact import ball_crossings, rational
 from ..family import About, Shape, SurfaceFamily

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from reference_tracer.scene.model import Scene
+from .placement import corners, corners_in_world, rotation_matrix
 
-from .placed import Placed, corners
+if TYPE_CHECKING:  # a scene is checked with what stands here
+    from .scene.model import Object, Scene
 
 
 def reach(scene: Scene) -> np.ndarray:
@@ -18,10 +21,10 @@ def reach(scene: Scene) -> np.ndarray:
     lights: a box is convex, so it holds them if it holds both ends.
     """
     tracing = scene.tracing
-    shiny = [Placed(o) for o in scene.objects if o.material.reflection > 0 or o.material.transparency > 0]
+    shiny = [(o, o.surface.box()) for o in scene.objects if o.material.reflection > 0 or o.material.transparency > 0]
     origins = [np.array([scene.camera.position])]
-    origins += [p.corners_in_world() for p in shiny if p.box is not None]
-    endless = tracing.max_depth > 0 and any(p.box is None for p in shiny)
+    origins += [corners_in_world(o, box) for o, box in shiny if box is not None]
+    endless = tracing.max_depth > 0 and any(box is None for _, box in shiny)
     distance = tracing.max_distance * (1 + (tracing.max_depth if endless else 0))
     points = np.concatenate(origins)
     low, high = points.min(axis=0) - distance, points.max(axis=0) + distance
@@ -30,7 +33,7 @@ def reach(scene: Scene) -> np.ndarray:
                      np.maximum(high, lights.max(axis=0, initial=-np.inf))])
 
 
-def reach_in_frame(scene: Scene, placed: Placed) -> np.ndarray:
-    """(2, 3): a box in the frame of `placed` that holds `reach(scene)`."""
-    points = placed.to_own_frame(corners(reach(scene)))
+def reach_in_frame(scene: Scene, obj: Object) -> np.ndarray:
+    """(2, 3): a box in the own frame of `obj` that holds `reach(scene)`."""
+    points = (corners(reach(scene)) - np.array(obj.surface.center)) @ rotation_matrix(obj.rotation)
     return np.stack([points.min(axis=0), points.max(axis=0)])
