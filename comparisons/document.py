@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from reference_tracer.errors import InputError
+
+from .execution.store import atomically
 
 
 class Record(BaseModel):
@@ -22,11 +23,9 @@ Document = TypeVar("Document", bound=Record)
 
 
 def write(document: Record, path: Path) -> Path:
-    """Replaces the file `path` in one step, so that an interrupted write loses nothing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_suffix(".part")
-    part.write_text(document.model_dump_json(indent=1), encoding="utf-8")
-    os.replace(part, path)
+    """Replaces the file `path` in one step, so that an interrupted write loses nothing. Raises UnwritableError."""
+    with atomically(path) as part:
+        part.write_text(document.model_dump_json(indent=1), encoding="utf-8")
     return path
 
 
@@ -41,7 +40,7 @@ def read(path: Path, kind: type[Document], command: str) -> Document:
         version = json.loads(text).get("version")
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}); '{command}' makes it") from None
-    except (ValueError, AttributeError):
+    except (ValueError, AttributeError, RecursionError):
         raise InputError(f"{path}: is not {what}; make it again with '{command}'") from None
     if version != expected:
         raise InputError(f"{path}: has version {version}, this raytruth reads {expected}; make it again with '{command}'")
@@ -58,7 +57,8 @@ def keep(document: Document, path: Path, command: str) -> Document:
 
     `document` has the fields `created` and `seconds`.
     """
-    timeless = lambda found: found.model_copy(update={"created": "", "seconds": 0})
+    # as texts: NaN, which a document may hold, is not equal to itself
+    timeless = lambda found: found.model_copy(update={"created": "", "seconds": 0}).model_dump_json()
     try:
         earlier = read(path, type(document), command)
         if timeless(earlier) == timeless(document):

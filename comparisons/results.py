@@ -13,26 +13,16 @@ from pydantic import Field
 from . import document
 from .attribution.records import Attribution
 from .document import Record
+from .execution.machine import Machine
 
 VERSION = 1
 FILE = "results.json"
+COMMAND = "raytruth compare"
 RUNS = "runs"
 
 State = Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
 BROKEN = ("crashed", "timeout", "malformed")  # faults; "refused" and "missing" are answers
 Verdict = Literal["agrees", "differs", "expected", "not compared"]
-
-
-class Machine(Record):
-    """Where the runs were made."""
-
-    processor: str
-    cores: int
-    memory_gib: float
-    system: str
-    python: str
-    packages: dict[str, str] = Field(description="name of every package that can change a number: its version")
-    source: str = Field(description="hash of raytruth's own source")
 
 
 class SceneRecord(Record):
@@ -154,4 +144,4 @@ def write(results: Results, folder: Path) -> Path:
 
 def read(folder: str | Path) -> Results:
     """The results in `folder`. Raises InputError in one line."""
-    return document.read(Path(folder) / FILE, Results, "raytruth compare")
+    return document.read(Path(folder) / FILE, Results, COMMAND)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 
 from reference_tracer.scene import library
 from reference_tracer.scene.model import Scene
 
 from .. import renderers
 from ..results import Run
-from ..runs import Request, RunStore
-from .majority import odd_ones
-from .pairs import pairs
+from ..runs import Request
+from ..verdicts.majority import odd_ones
+from ..verdicts.judge import between, judge
+from ..verdicts.pairs import Measurements
+from ..verdicts.pairs import Pair as Pictures
 from .records import Absent, Dissent, Matrix, Member, Pair, Place, Tightness
 
 LITERAL = "paper"
@@ -20,21 +21,11 @@ WORDS = {"missing": "is not installed", "refused": "cannot express the scene", "
          "timeout": "ran out of time", "malformed": "wrote what is no picture"}
 
 
-def matrix(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run], store: RunStore, *, jobs: int = 2,
-           tightness: Sequence[Tightness] = (), done: Callable[[], None] = lambda: None) -> Matrix:
-    """The matrix of the renderers `names` on `scenes`, all of whose `runs` (by key) have been made.
-
-    `done` is called after every scene. Pairs are kept in the store: what was measured before is not measured again.
-    """
+def matrix(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run], pairs: Sequence[Pictures],
+           measurements: Measurements, tightness: Sequence[Tightness] = ()) -> Matrix:
+    """The matrix of the renderers `names` on `scenes`, all of whose `runs` (by key) have been made, from all `pairs`."""
     of_scene = {scene.name: [runs[Request(scene, name).key] for name in names] for scene in scenes}
-
-    def measure(scene: Scene) -> list[Pair]:
-        found = pairs(scene, of_scene[scene.name], store)
-        done()
-        return found
-
-    with ThreadPoolExecutor(jobs) as pool:
-        measured = list(pool.map(measure, scenes))
+    measured = {scene.name: [_pair(p, measurements) for p in pairs if p.scene.name == scene.name] for scene in scenes}
     members = [Member(name=name, title=renderers.find(name).title, implementation=renderers.find(name).module)
                for name in names]
     absent = [Absent(scene=scene.name, renderer=run.renderer, state=run.state,
@@ -42,9 +33,20 @@ def matrix(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run], 
               for scene in scenes for run in of_scene[scene.name] if run.state != "ok"]
     places = [Place(name=s.name, title=s.title or s.name, pixels=s.camera.width * s.camera.height,
                     effect=s.name in library.effects()) for s in scenes]
-    return Matrix(members=members, places=places, pairs=[pair for found in measured for pair in found], absent=absent,
-                  dissent=[d for scene, found in zip(scenes, measured) for d in dissent(scene, members, of_scene, found)],
+    return Matrix(members=members, places=places, pairs=[pair for found in measured.values() for pair in found], absent=absent,
+                  dissent=[d for scene in scenes for d in dissent(scene, members, of_scene, measured[scene.name])],
                   tightness=list(tightness), command="raytruth compare")
+
+
+def _pair(pictures: Pictures, measurements: Measurements) -> Pair:
+    first, second, found = pictures.first, pictures.second, measurements.of(pictures)
+    tolerance, m = between(first, second), found.metrics
+    verdict, reason = judge(m, tolerance)[:2] if found.state == "ok" else (
+        "differs", f"measuring {found.state}: {found.message}")
+    return Pair(scene=pictures.scene.name, first=first.renderer, second=second.renderer, agrees=verdict == "agrees",
+                tolerance=tolerance.name, broken="" if verdict == "agrees" else reason, color_p99=m.get("color p99"),
+                color_max=m.get("color max"), inner_max=m.get("inner max"), failing=m.get("failing pixels"),
+                mismatches=m.get("object mismatches"), depth_p99=m.get("depth p99"))
 
 
 def dissent(scene: Scene, members: list[Member], of_scene: dict[str, list[Run]], found: list[Pair]) -> list[Dissent]:

@@ -44,8 +44,8 @@ class Pair(Record):
     color_p99: float | None = Field(description="99 % of the pixels differ by less")
     color_max: float | None
     inner_max: float | None = Field(description="the same away from silhouettes of what is seen first")
-    failing: int = Field(description="pixels off by more than one step of an 8-bit picture")
-    mismatches: int = Field(description="pixels where another object, or none, was hit")
+    failing: int | None = Field(description="pixels off by more than one step of an 8-bit picture")
+    mismatches: int | None = Field(description="pixels where another object, or none, was hit")
     depth_p99: float | None = Field(description="99 % of interior pixels have a smaller relative error of depth")
 
 

@@ -19,7 +19,7 @@ from reference_tracer.placement import is_inside
 from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
 
-from . import LONG
+from .reference import LONG
 
 MOST_RAYS = 1 << 19
 

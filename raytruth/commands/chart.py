@@ -37,6 +37,7 @@ def add_arguments(parser):
 def run(arguments) -> int:
     from comparisons.charting import results, subjects, suite
     from comparisons.charting.growth import find
+    from comparisons.progress import Cases
     from reference_tracer.errors import InputError
 
     limit = arguments.limit if arguments.limit is not None else 120.0 if arguments.full else 30.0
@@ -47,8 +48,9 @@ def run(arguments) -> int:
     charted = subjects.chosen(arguments.scene, arguments.full, arguments.size) \
         if arguments.scene or not arguments.growth else []
     folder = arguments.results or Path("results")
-    options = suite.Options(folder, arguments.full, arguments.turns, limit, patience=30.0 if arguments.full else 0.5)
-    chart = suite.run(charted, studies, options)
+    with Cases() as progress:
+        chart = suite.run(charted, studies, suite.Options(folder, arguments.full, arguments.turns, limit,
+                                                          patience=30.0 if arguments.full else 0.5, progress=progress))
     if arguments.results or not (arguments.scene or arguments.growth):
         chart = results.keep(chart, folder)
         print(f"written to {folder / results.FILE}", file=sys.stderr)

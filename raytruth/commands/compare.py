@@ -32,6 +32,7 @@ def add_arguments(parser):
 def run(arguments) -> int:
     from comparisons import renderers
     from comparisons.agreement import records
+    from comparisons.progress import Cases
     from comparisons.results import BROKEN
     from comparisons.suite import COMPARED, Options, compare
     from reference_tracer.errors import InputError
@@ -47,8 +48,10 @@ def run(arguments) -> int:
     names = Counter(scene.name for scene in scenes)
     if twice := [name for name, count in names.items() if count > 1]:
         raise InputError(f"two scenes are named {twice[0]!r}; give each its own \"name\"")
-    results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
-                                      limit=arguments.limit, jobs=arguments.jobs, with_studies=not arguments.no_studies))
+    with Cases() as progress:
+        results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
+                                          limit=arguments.limit, jobs=arguments.jobs, progress=progress,
+                                          with_studies=not arguments.no_studies))
     matrix = records.read(arguments.results)
     if arguments.json:
         print(results.model_dump_json(indent=1))

@@ -28,6 +28,7 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
+    from comparisons.progress import Cases
     from comparisons.transport import cases, results, suite
     from reference_tracer.errors import InputError
 
@@ -36,7 +37,8 @@ def run(arguments) -> int:
             raise InputError(f"--{name}: must be at least {low}; found {value}")
     chosen = cases.find(arguments.case)
     folder = arguments.results or Path("results")
-    document = suite.run(chosen, folder, limit=arguments.limit, jobs=arguments.jobs)
+    with Cases() as progress:
+        document = suite.run(chosen, folder, limit=arguments.limit, jobs=arguments.jobs, progress=progress)
     if arguments.results or not arguments.case:
         document = results.keep(document, folder)
         print(f"written to {folder / results.FILE}", file=sys.stderr)

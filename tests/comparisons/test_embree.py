@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from comparisons import metrics
+from comparisons.verdicts import metrics
 from comparisons.renderers import embree, mitsuba
 from converters.embree import Crossings, Solid, convert
 from converters.embree.crossings import Start

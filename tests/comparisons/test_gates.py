@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from comparisons import metrics
-from comparisons.gate import MESH, NATIVE, judge
-from comparisons.metrics import GRAZING
+from comparisons.verdicts import metrics
+from comparisons.verdicts.judge import MESH, NATIVE, judge
+from comparisons.verdicts.metrics import GRAZING
 
 SIDE = 64
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from comparisons.agreement.majority import odd_ones
+from comparisons.verdicts.majority import odd_ones
 
 ALL = {"exact": "reference", "paper": "reference", "native": "mitsuba", "mesh": "mitsuba", "embree": "embree",
        "povray": "povray"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
-from .results import Gate, Run, Verdict
+from ..results import Gate, Run, Verdict
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,85 @@
+"""How far the work is: on a terminal, and where none watches."""
+
+import io
+import os
+import pty
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+
+from comparisons import progress as module
+from comparisons.progress import Progress
+
+
+def until(condition, seconds=30):
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, "what was waited for did not come"
+        time.sleep(0.01)
+
+
+def progress_threads():
+    return [thread for thread in threading.enumerate() if thread.name == "progress"]
+
+
+def test_silent_work_still_tells_that_it_goes_on(monkeypatch):
+    """The line comes while the work itself says nothing, names it, and tells the share."""
+    said = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", said)
+    monkeypatch.setattr(module, "EVERY", 0.01)
+    with Progress(8, label="ball") as bar:
+        bar.to(2)
+        until(lambda: said.getvalue().count("ball: 25%") >= 2)
+        bar.step(2, "compiling")
+        until(lambda: "compiling: 50%" in said.getvalue())
+    until(lambda: not progress_threads())
+
+
+def test_quick_work_and_quiet_work_say_nothing(capsys, monkeypatch):
+    Progress(3, label="quick").close()
+    monkeypatch.setattr(module, "EVERY", 0.01)
+    with Progress(3, quiet=True) as bar:
+        bar.step()
+        time.sleep(0.05)
+        bar.log("case 1 agrees")
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_finished_case_is_a_line(capsys):
+    with Progress(3) as bar:
+        bar.log("sphere: agrees")
+    assert capsys.readouterr().err == "sphere: agrees\n"
+
+
+@pytest.mark.parametrize("share, elapsed, left", [(0.5, 60, "about 1:00 left"), (0.25, 3600, "about 3:00:00 left")])
+def test_the_time_left_follows_from_the_share(monkeypatch, share, elapsed, left):
+    bar = Progress(1, quiet=True)
+    bar._start = time.monotonic() - elapsed - 0.5
+    bar.to(share)
+    assert left[:-7] in bar.line  # the seconds may move on between the two looks at the clock
+
+
+def test_a_terminal_shows_a_bar_and_is_left_clean():
+    """In a child with a terminal of its own: the bar appears, a logged line stays, the cursor comes back."""
+    program = ("import time; from comparisons.progress import Progress\n"
+               "with Progress(4, label='ball [x]') as bar:\n"
+               "    bar.to(2); time.sleep(.5); bar.log('case: agrees'); bar.close(); bar.to(3)\n")
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen([sys.executable, "-c", program], stderr=theirs, env={**os.environ, "TERM": "xterm"})
+    os.close(theirs)
+    seen = b""
+    while True:
+        try:
+            piece = os.read(ours, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not piece:
+            break
+        seen += piece
+    os.close(ours)
+    text = seen.decode()
+    assert process.wait() == 0 and "50%" in text and "ball [x]" in text and "case: agrees" in text
+    assert text.rindex("\x1b[?25h") > text.rindex("\x1b[?25l"), "the cursor must be shown again"
