@@ -10,6 +10,8 @@ from ..execution.pool import Pool, Task
 
 LIMIT = 120.0  # seconds for one scene
 RENEWED = 250  # scenes after which a process is replaced: its kernels fill memory
+MOST_UNDECIDED = 0.01  # of hits that the oracle knows; a requirement
+EXCUSED = "pairs", "not defined everywhere"  # where rounding hides which object is first, or f has no value (M4, M7)
 
 
 @dataclass
@@ -33,6 +35,13 @@ class Total:
     wrong: int = 0  # decided pixels
     counts: Counter = field(default_factory=Counter)
 
+    @classmethod
+    def of(cls, *answers: Answer) -> Total:
+        total = cls()
+        for answer in answers:
+            total.add(answer)
+        return total
+
     def add(self, answer: Answer) -> None:
         self.scenes += 1
         self.faults += bool(answer.fault)
@@ -43,6 +52,9 @@ class Total:
     def undecided(self) -> float:
         """The share of hits that the method calls undecided although the oracle knows what is right."""
         return self.counts["avoidable_hits"] / max(self.counts["hits"], 1)
+
+    def holds(self, kind: str) -> bool:
+        return not self.wrong and not self.faults and (kind in EXCUSED or self.undecided <= MOST_UNDECIDED)
 
 
 def run(count: int, seed: int, jobs: int, method: str = "exact") -> Iterator[Answer]:

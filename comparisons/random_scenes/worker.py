@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from random import Random
 
-JUDGED = 20  # pixels of a picture, drawn at random
+JUDGED = 16  # pixels of a picture, drawn at random
 
 
 def answer(arguments: dict) -> dict:

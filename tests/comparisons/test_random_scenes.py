@@ -1,5 +1,6 @@
 """Random scenes: the oracle against closed forms, a fixed part of the scenes, and wrong tracers that must be noticed."""
 
+import json
 import math
 from dataclasses import replace
 
@@ -7,15 +8,16 @@ import drjit as dr
 import pytest
 from flint import arb
 
-from comparisons.random_scenes import grammar, worker
+from comparisons.random_scenes import grammar, suite, worker
 from comparisons.random_scenes.arithmetic import Formula, Taylor, rational
 from comparisons.random_scenes.oracle import NOTHING, NotDefined, Oracle, Unsettled, exactly
+from raytruth.cli import main
 from reference_tracer.families import Member
 from reference_tracer.first_hit import bounded_quadric, segments
 from reference_tracer.rays import Sides
 from reference_tracer.world import World
 
-FEW = (1001, 1002, 1003, 1006, 1007, 1008, 1011, 1013, 1016, 1017, 1019, 1024, 1027)  # cheap ones of many kinds
+FEW = (16, 32, 88, 128, 136, 144, 168, 184, 208, 216)  # of many kinds
 
 
 def scene(formula, camera=(0, 0, -4), **tracing):
@@ -90,8 +92,10 @@ def test_formulas_whose_kinks_lie_in_the_ball_keep_what_is_known():
 
 # --- the scenes --------------------------------------------------------------------------------------------------------
 def test_a_seed_is_a_scene():
-    assert grammar.draw(7).scene == grammar.draw(7).scene != grammar.draw(8).scene
-    assert {grammar.draw(k).kind for k in range(200)} == {*grammar.SOLIDS, "pairs"}
+    assert grammar.draw(17).scene == grammar.draw(17).scene != grammar.draw(18).scene
+    formula = lambda seed: grammar.draw(seed).scene["objects"][0]["surface"]["formula"]
+    assert formula(16) == formula(16 + grammar.SHARED - 1) != formula(16 + grammar.SHARED)
+    assert {grammar.draw(k).kind for k in range(0, 1600, grammar.SHARED)} == {*grammar.SOLIDS, "pairs"}
 
 
 @pytest.mark.parametrize("seed", FEW)
@@ -130,12 +134,12 @@ def stretched(right):
 
 
 FAULTS = {
-    "distances off by 1e-6": (World, "nearest", farther, 1001, "distance"),
-    "closed forms that lose hits": (bounded_quadric.BoundedQuadric, "first", losing_some, 1019, "hit"),
-    "searches that lose hits": (segments.SegmentMethod, "first", losing_some, 1002, "hit"),
-    "sides turned": (Sides, "test", lambda right: lambda self, index: ~right(self, index), 1002, "distance"),
-    "shadows forgotten": (World, "light_through", never_dark, 1008, "color"),
-    "gradients off": (Member, "normal_at", stretched, 1001, "normal")}
+    "distances off by 1e-6": (World, "nearest", farther, 16, "distance"),
+    "closed forms that lose hits": (bounded_quadric.BoundedQuadric, "first", losing_some, 16, "hit"),
+    "searches that lose hits": (segments.SegmentMethod, "first", losing_some, 216, "hit"),
+    "sides turned": (Sides, "test", lambda right: lambda self, index: ~right(self, index), 216, "distance"),
+    "shadows forgotten": (World, "light_through", never_dark, 136, "color"),
+    "gradients off": (Member, "normal_at", stretched, 16, "normal")}
 
 
 @pytest.mark.parametrize("fault", FAULTS)
@@ -145,8 +149,45 @@ def test_a_wrong_tracer_is_found(monkeypatch, fault):
     assert any(f": {what}: " in text for text in worker.judged(seed, "exact")["wrong"])
 
 
-def test_a_method_that_decides_nothing_has_that_said(monkeypatch):
+def test_a_method_that_decides_nothing_does_not_hold(monkeypatch):
     right = World.nearest
     monkeypatch.setattr(World, "nearest", lambda self, ray: replace(right(self, ray), undecided=self.arrays.Bool(True)))
-    counts = worker.judged(1001, "exact")["counts"]
+    answer = worker.judged(16, "exact")
+    counts = answer["counts"]
     assert counts["undecided_hits"] == counts["hits"] > 0 and counts["avoidable_hits"] > 0
+    assert not suite.Total.of(suite.Answer(**answer)).holds(answer["kind"])
+    assert suite.Total.of(suite.Answer(**answer)).holds(suite.EXCUSED[0])
+
+
+# --- the command -------------------------------------------------------------------------------------------------------
+def test_the_command_adds_up_and_repeats_failures(monkeypatch, capsys, tmp_path):
+    command = ["certify", "--random", "2", "--seed", "16", "-o", str(tmp_path / "failures")]
+    assert main([*command, "--json"]) == 0
+    totals = json.loads(capsys.readouterr().out)
+    assert sum(t["scenes"] for t in totals.values()) == 2 and not (tmp_path / "failures").exists()
+    assert sum(t["counts"]["pixels"] for t in totals.values()) == 2 * worker.JUDGED
+
+    monkeypatch.setattr(World, "nearest", farther(World.nearest))
+    here = lambda count, seed, jobs, method: (suite.Answer(**worker.judged(k, method)) for k in range(seed, seed + count))
+    monkeypatch.setattr(suite, "run", here)
+    assert main(command) == 1
+    out = capsys.readouterr().out
+    assert "raytruth certify --random 1 --seed 16;" in out and "distance: t = " in out
+    assert json.loads((tmp_path / "failures" / "random-16.json").read_text()) == grammar.draw(16).scene
+
+
+def test_the_command_refuses_what_it_cannot_do(capsys):
+    for wrong in (["--random", "0"], ["--random", "5", "--jobs", "0"], ["figure-05-sphere", "--random", "5"]):
+        assert main(["certify", *wrong]) == 2
+        assert "--" in capsys.readouterr().err
+
+
+def test_a_scene_that_cannot_be_rendered_is_a_failure(monkeypatch):
+    monkeypatch.setattr(grammar, "draw", lambda seed: grammar.Drawn(seed, "quadrics", {"objects": []}))
+    assert worker.judged(5, "exact")["fault"].startswith("refused: ")
+
+
+@pytest.mark.parametrize("seed", (16, 136, 144, 216))
+def test_the_literal_method_holds_where_it_has_no_choice(seed):
+    answer = worker.judged(seed, "paper")
+    assert answer["wrong"] == [] and answer["counts"]["hits"] > answer["counts"]["unsettled"]
