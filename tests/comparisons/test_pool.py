@@ -26,7 +26,8 @@ if do == "hang":
 if do == "garbage":
     print("garbage")
 if do == "full":
-    print(json.dumps({"state": "unwritable", "message": "results: cannot be written"}))
+    print(json.dumps({"state": "unwritable", "message": "results: cannot be written"}), flush=True)
+    continue
 if do == "wait":
     open(arguments["here"], "w").close()
     while not os.path.exists(arguments["there"]):
