@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -186,7 +187,7 @@ def test_a_cost_out_of_proportion_is_told_before_and_ctrl_c_ends_it_in_one_sente
     try:
         assert estimate.startswith("raytruth: glass: 307,200 camera rays and ") and " will take " in estimate
         assert f"(at most {307200 * (2**65 - 2):.1e})" in estimate
-        assert "glass: 0% after 0:" in process.stderr.readline()
+        assert re.search(r"glass: \d+% after \d+:\d\d", process.stderr.readline())
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=120)
     finally:
