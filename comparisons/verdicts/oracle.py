@@ -37,9 +37,14 @@ class AllSteps(LiteralSearch):
 
     def _signs_at(self, o, d, t):
         """f < 0 of every object at every sample, (n, steps, objects); t is (n, steps)."""
-        steps = t.shape[1]
         self.evaluations += t.size * len(self.frames)
-        return self._signs(np.repeat(o, steps, axis=0), np.repeat(d, steps, axis=0), t.ravel()).reshape(*t.shape, -1)
+        inside = np.empty((*t.shape, len(self.frames)), bool)
+        for k, (rotation, center, surface) in enumerate(self.frames):
+            origin, direction = ((o - center) @ rotation).T, (d @ rotation).T
+            with np.errstate(all="ignore"):
+                f = surface(*(p[:, None] + t * v[:, None] for p, v in zip(origin, direction)))
+            inside[..., k] = (f < 0) & (f > -np.inf)  # what is not finite counts as outside (M7)
+        return inside
 
     def _samples(self, end):
         """(n, steps): k h, the last one moved to the end of each ray."""
@@ -84,7 +89,8 @@ def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, fl
     same = _same_hit(index, t, asked["index"], asked["t"])
     apart = ~same | ~(error <= REPEATED * (1 + np.abs(asked["color"]).max(axis=-1)))
     with np.errstate(invalid="ignore"):  # two objects at one distance: rounding decides which of them is hit (M4)
-        excused = apart & (index != asked["index"]) & (np.abs(t - asked["t"]) <= conditioning.TIE * t)
+        both = (index >= 0) & (asked["index"] >= 0) & (index != asked["index"])
+        excused = apart & both & (np.abs(t - asked["t"]) <= conditioning.TIE * t)
     if (apart & ~excused).any():
         bound = conditioning.bound(scene, 64, kept, "paper").ravel()[pixels]
         excused |= apart & (error <= bound) & (same | (bound > VISIBLE))

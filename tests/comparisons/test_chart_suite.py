@@ -5,13 +5,13 @@ import sys
 
 import numpy as np
 import pytest
+from workers import exit_code
 
 from comparisons.charting import results, suite
 from comparisons.charting.growth import REFERENCE_SAMPLES, Study, studies
 from comparisons.charting.subjects import Charted, chosen
 from comparisons.charting.sweeps import SWEEPS, Sweep
 from comparisons.execution import pool
-from raytruth.cli import main
 from reference_tracer.errors import InputError
 from reference_tracer.scene.load import parse_scene
 
@@ -148,7 +148,7 @@ def test_subjects_by_default_and_all_of_them():
     (["chart", "--size", "1x1"], "--size")])
 def test_bad_input_is_one_sentence(arguments, told, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(arguments) == 2
+    assert exit_code(*arguments) == 2
     said = capsys.readouterr().err.strip()
     assert told in said and "\n" not in said
     assert not list(tmp_path.iterdir())

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from planning_support import BALL, HEIGHT, WIDTH, corridor, scene
+from workers import exit_code
 
 from comparisons.planning import halves, planner, results
 from comparisons.planning.search import Decision, Search
@@ -127,6 +128,6 @@ def test_the_command_writes_a_scene_and_a_document(tmp_path, capsys):
     (["figure-05-sphere", "--size", "999999x10"], "size"),
 ])
 def test_bad_input_gets_one_sentence(arguments, says, capsys):
-    assert main(["plan", *arguments]) == 2
+    assert exit_code("plan", *arguments) == 2
     error = capsys.readouterr().err.strip()
     assert says in error and "\n" not in error and error.startswith("raytruth: ")

@@ -5,7 +5,7 @@ import textwrap
 
 import numpy as np
 import pytest
-from workers import child
+from workers import child, exit_code
 
 from comparisons.execution import pool
 from comparisons.transport import cases, monte_carlo, results, suite
@@ -135,7 +135,7 @@ def test_the_command_measures_a_case_and_says_so_in_one_line(tmp_path, capsys):
 def test_the_commands_exit_codes(tmp_path, capsys, workers):
     assert main(["transport", "caustics"]) == 2
     assert "unknown case 'caustics'; choose one of diffuse" in capsys.readouterr().err
-    assert main(["transport", "--jobs", "0"]) == 2
+    assert exit_code("transport", "--jobs", "0") == 2
     workers("os.abort()")
     assert main(["transport", "mirror", "-o", str(tmp_path), "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["cases"][0]["state"] == "crashed"

@@ -18,3 +18,13 @@ def child(body: str) -> tuple[str, ...]:
 def interruptible() -> None:
     """For a child that is to be interrupted: where SIGINT is ignored (nohup, a background job) it would inherit that."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def exit_code(*arguments: str) -> int:
+    """Of the command line, whoever finds the fault: the parser exits where a command returns."""
+    from raytruth.cli import main
+
+    try:
+        return main(list(arguments))
+    except SystemExit as stop:
+        return stop.code
