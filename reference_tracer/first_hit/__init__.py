@@ -33,6 +33,8 @@ def choose(method: str, obj, tracing, arrays) -> FirstHit:
             step_size = (own and own.step_size) or tracing.step_size
             return Paper(arrays, step_size, tracing.tolerance, tracing.max_iterations)
         case "exact":
+            if surface.drowns and arrays.precision == 64:  # the others take signs from floats
+                return Proof()
             return cheapest_exact(surface.degree, surface.bounded_quadric)
         case "descartes":
             return Descartes() if surface.degree is not None else IntervalMethod()

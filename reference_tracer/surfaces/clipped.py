@@ -58,6 +58,10 @@ class Clipped(Surface):
         return cut
 
     @property
+    def drowns(self):
+        return self.of.drowns
+
+    @property
     def parameters(self):
         return {**dict(zip(LIMITS, (*self.clip.low, *self.clip.high))), **self.of.parameters}
 

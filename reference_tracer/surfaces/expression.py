@@ -10,6 +10,7 @@ from typing import ClassVar, Literal
 from pydantic import Field, field_validator
 
 from ..numbers.polynomial import HIGHEST_DEGREE
+from .conditioning import drowns
 from .exact_polynomial import is_definite
 from .formula import FormulaError, Node, degree, evaluator, parametrised, written
 from .formula_parser import LONGEST_FORMULA, VOCABULARY, parse_formula
@@ -106,7 +107,11 @@ class Expression(Surface):
     def family(self):
         # all that the choice of a method depends on is the same for a whole family
         return f"expression{'' if self.box() else ' without bounds'}: {self._forms.structure}" + (
-            ", definite" if self.bounded_quadric else "")
+            ", definite" if self.bounded_quadric else "") + (", drowned" if self.drowns else "")
+
+    @cached_property
+    def drowns(self):
+        return drowns(self, self.region())
 
     @property
     def degree(self):

@@ -32,9 +32,9 @@ class Outside:
     """What is known of f, as it is written, outside of a box and on its faces."""
 
     sign: int  # +1 or -1: the sign of f, proven wherever it is defined; 0: not proven
-    defined: bool = True  # everywhere, as a proof
     change: tuple[Point, Point] | None = None  # where f > 0 and where f < 0, both outside or on the faces: a proof too
     face: str = ""  # the face on which both points lie, as "x = 0.8"; "" where they lie on none
+    defined: bool = True  # everywhere, as a proof
 
 
 def widened(box: Box) -> Box:
@@ -70,7 +70,7 @@ def _searched(surface: Surface, box: np.ndarray, region: np.ndarray, most: int) 
     for number in range(MOST_ROUNDS):
         if not cells.shape[-1]:
             sign = next(iter(seen), 0)
-            return Outside(0 if loose - {sign, 0} else sign, not loose)
+            return Outside(0 if loose - {sign, 0} else sign, defined=not loose)
         looked_at += cells.shape[-1]
         points = _nearest(cells, faces)
         low, high, certain, rising = _enclosed(surface, cells, points, derivatives=number > 0)

@@ -106,6 +106,11 @@ class Surface(BaseModel):
         """Whether a `polynomial_form` of degree two is one of an ellipsoid, which every line cuts twice or not at all."""
         return self.box() is not None
 
+    @property
+    def drowns(self) -> bool:
+        """Whether rounding in f may move the surface further than methods that do not count it allow for (conditioning.py)."""
+        return False
+
     def box(self) -> Box | None:
         """Corners (low, high), in the surface's own frame, of a box outside which f provably has one sign, else None."""
         return None

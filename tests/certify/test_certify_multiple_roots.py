@@ -39,7 +39,7 @@ def _rays(scene, method):
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_what_is_decided_about_a_multiple_root_is_what_the_ball_does(form):
+def test_what_is_decided_about_a_multiple_root_is_what_the_ball_does(form, as_written):
     """Each ray's truth is the ball's, decided exactly; a decided answer must be it, position included."""
     ball, decided = _scene(BALL), {"audited": 0, "proven": 0}
     rows, local = _rays(_scene(FORMS[form]), "exact")
@@ -83,7 +83,7 @@ def _decided_wrong(scene, method, depth) -> int:
 
 
 @pytest.mark.parametrize("formula", ["{}", "({})**3", "({})**5", "(exp{} - 1)**3", "{}*abs{}", "cbrt{}"])
-def test_a_method_that_trusts_the_side_it_is_given_is_found(formula, monkeypatch):
+def test_a_method_that_trusts_the_side_it_is_given_is_found(formula, monkeypatch, as_written):
     ball = "(x**2 + y**2 + z**2 - 1)"
     scene = make_scene(thing("expression", (0.1, 0.05, 4), formula=formula.format(ball, ball),
                              bounds={"low": [-1.1] * 3, "high": [1.1] * 3}))

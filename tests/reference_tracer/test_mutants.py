@@ -153,8 +153,8 @@ MUTANTS = {
         "t = dr.select(finite, dr.clip(t - dt, step_end - h, step_end), t)",
         decisions.test_M6_newton_runs_as_written, (1e-12, 20)),
     "M7 exact keeps silent": Mutant(
-        "return Scan(t, end, guess, count, undecided, segments)",
-        "return Scan(t, end, guess, count, Bool(False), segments)",
+        "return Scan(t, end, guess, regular, count, undecided, segments)",
+        "return Scan(t, end, guess, regular, count, Bool(False), segments)",
         decisions.test_M7_the_exact_method_says_that_it_cannot_tell, ("1 + sqrt(4 - z)",)),
     # section 4.3
     "N1 not turned": Mutant(
@@ -210,7 +210,7 @@ MUTANTS = {
 
 EVERY_RULE = against_recursion.test_paper_on_small_scenes, ("every function",)
 ORACLE = {  # what the fast tracer derives: the oracle has its own, and tells
-    "sides": Mutant("-np.inf < obj.surface(*local) < 0", "-np.inf < obj.surface(*local) < 50",
+    "sides": Mutant("-np.inf < value < 0", "-np.inf < value < 50",
                     against_recursion.test_paper_on_small_scenes, ("balls of glass and of mirror",)),
     "rotation": Mutant("+ sin * cross", "- sin * cross", against_recursion.test_exact_on_small_scenes,
                        ("turned quadrics",)),
@@ -219,7 +219,7 @@ ORACLE = {  # what the fast tracer derives: the oracle has its own, and tells
     "exponential": Mutant("return self._chain(power, power)", "return self._chain(power, power * 1.001)", *EVERY_RULE),
     "product": Mutant("_plus(_times(da, other.value), _times(db, self.value))",
                       "_plus(_times(da, self.value), _times(db, other.value))", *EVERY_RULE),
-    "power": Mutant("n * self.value ** (n - 1)", "self.value ** (n - 1)", *EVERY_RULE),
+    "power": Mutant("n * fn.whole_power(self.value, n - 1)", "fn.whole_power(self.value, n - 1)", *EVERY_RULE),
     "larger": Mutant("else fn.where_larger(self.value, other.value,", "else fn.where_larger(other.value, self.value,",
                      *EVERY_RULE),
 }

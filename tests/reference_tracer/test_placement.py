@@ -27,5 +27,5 @@ def test_M7_the_side_of_a_camera_where_f_has_no_value_is_outside(formula, inside
 
 
 def test_a_formula_without_coordinates_has_a_side_too():
-    scene = make_scene(thing("expression", (0, 0, 3), formula="-1 + 0*x"), thing("expression", formula="2 - cos(0) - 3 + 0*x"))
+    scene = make_scene(thing("expression", (0, 0, 3), formula="-1 + 0*sin(x)"), thing("expression", formula="2 - cos(0) - 3 + 0*sin(x)"))
     assert [is_inside(o, (0, 0, 0)) for o in scene.objects] == [True, True]

@@ -12,6 +12,7 @@ class SkipsRoots:
     """An exact method that overlooks about one root in fifty: those of which some low bits say so."""
 
     name = "skips roots"
+    vouches = True
 
     def __init__(self, setting):
         self.base = cheapest_exact(setting.degree, setting.bounded)
@@ -30,6 +31,7 @@ class WrongSide:
     """An exact method that takes a ray which starts on a surface for one on the other side of it."""
 
     name = "wrong side"
+    vouches = True
 
     def __init__(self, setting):
         self.base = cheapest_exact(setting.degree, setting.bounded)
