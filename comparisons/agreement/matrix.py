@@ -38,7 +38,8 @@ def matrix(scenes: Sequence[Scene], names: dict[str, tuple[str, ...]], runs: dic
               for scene in scenes for run in of_scene[scene.name] if run.state != "ok"]
     places = [Place(name=s.name, title=s.title or s.name, pixels=s.camera.width * s.camera.height,
                     effect=s.name in library.effects()) for s in scenes]
-    return Matrix(members=members, places=places, pairs=[pair for found in measured.values() for pair in found], absent=absent,
+    return Matrix(members=members, places=places, absent=absent,
+                  pairs=[pair for found in measured.values() for pair in found],
                   dissent=[d for scene in scenes for d in dissent(scene, of_scene[scene.name], measured[scene.name])],
                   tightness=list(tightness), command="raytruth compare")
 
@@ -49,7 +50,8 @@ def _pair(pictures: Pictures, measurements: Measurements, natural: set[tuple[str
     verdict, reason = judge(m, tolerance)[:2] if found.state == "ok" else (
         "differs", f"measuring {found.state}: {found.message}")
     return Pair(scene=pictures.scene.name, first=first.renderer, second=second.renderer, agrees=verdict == "agrees",
-                expected=verdict != "agrees" and any((pictures.scene.name, run.renderer) in natural for run in (first, second)),
+                expected=verdict != "agrees" and any((pictures.scene.name, run.renderer) in natural
+                                                     for run in (first, second)),
                 tolerance=tolerance.name, broken="" if verdict == "agrees" else reason, color_p99=m.get("color p99"),
                 color_max=m.get("color max"), inner_max=m.get("inner max"), failing=m.get("failing pixels"),
                 mismatches=m.get("object mismatches"), depth_p99=m.get("depth p99"))
@@ -64,8 +66,8 @@ def dissent(scene: Scene, runs: Sequence[Run], found: Sequence[Pair]) -> list[Di
         if voters.pop(natural, None) is not None:
             others = [p.second if p.first == natural else p.first for p in broken if natural in (p.first, p.second)]
             told.append(Dissent(scene=scene.name, renderers=[natural], against=others, expected=True, sentence=(
-                f"{natural} disagrees with {_listed(others)}; between {pair.first} and {pair.second} {pair.broken}; its oracle "
-                "shows the same: what falls between two of its steps is missed, which is its nature and not a fault")))
+                f"{natural} disagrees with {_listed(others)}; between {pair.first} and {pair.second} {pair.broken}; its "
+                "oracle shows the same: its nature, not a fault; the causes stand with the comparison")))
     counted = {frozenset((p.first, p.second)): p for p in found if not p.agrees and {p.first, p.second} <= voters.keys()}
     if odd := odd_ones(voters, map(tuple, counted)):
         example = max((p for pair, p in counted.items() if pair & set(odd.suspects)), key=lambda p: p.color_p99 or 0)

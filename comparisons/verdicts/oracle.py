@@ -60,7 +60,7 @@ class AllSteps(LiteralSearch):
         ray = np.flatnonzero(changed.any(axis=(1, 2)))
         step = np.argmax(changed.any(axis=2), axis=1)[ray]
         middle = 0.5 * (step * self.tracing.step_size + t[ray, step])
-        for k in range(inside.shape[1]):
+        for k in np.flatnonzero(changed[ray, step].any(axis=0)):
             here = changed[ray, step, k]
             root = self._newton(k, o[ray[here]], d[ray[here]], middle[here])
             closer = root < t_hit[ray[here]]
