@@ -15,7 +15,7 @@ from .. import renderers
 from ..execution import pool as pools
 from ..execution import store
 from ..execution.pool import Pool
-from .records import Judged, Made
+from .records import Made
 
 FOLDER = "attributions"
 SECONDS = 600.0  # of one

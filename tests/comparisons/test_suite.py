@@ -5,7 +5,6 @@ import json
 import os
 import sys
 import textwrap
-from pathlib import Path
 
 import pytest
 from workers import child
