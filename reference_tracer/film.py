@@ -51,8 +51,13 @@ class Planes:
         numpy = lambda array: array.numpy()[..., :count]
         put = lambda name, value: self._arrays[name].__setitem__((..., where), value) if name in self._arrays else None
         doubt = numpy(light.doubt)
-        color = numpy(light.color) * color_unit
-        put("color", np.where(doubt == NO_COLOR, np.nan, color / samples**2 if samples > 1 else color))
+        if "color" in self._arrays:
+            color = self._arrays["color"][:, where]  # a view, unless `where` lists pixels
+            np.divide(numpy(light.color), samples**2 / color_unit, out=color)  # one rounding: the unit is a power of two
+            if (lost := doubt == NO_COLOR).any():
+                color[:, lost] = np.nan
+            if not isinstance(where, slice):
+                put("color", color)
         put("depth", numpy(light.generation))
         if hits is None:
             if "status" in self._arrays:

@@ -22,6 +22,7 @@ MOST_CELLS = 1 << 14  # looked at before the question is left open, of a formula
 LONG = 100
 MOST_ROUNDS = 64
 UNDEFINED_ROUNDS = 4  # for which cells are divided where f is not defined everywhere
+PIECES = 64  # of each part of a way on which f is shown to be defined
 ON_A_FACE = 17  # points along each side of a face that are looked at where no proof succeeds
 
 Point = tuple[float, float, float]
@@ -79,7 +80,8 @@ def _searched(surface: Surface, box: np.ndarray, region: np.ndarray, most: int) 
             if len(where):
                 seen.setdefault(sign, tuple(points[:, where[0]].tolist()))
         if len(seen) == 2:
-            return Outside(0, (seen[1], seen[-1]))
+            pair = seen[1], seen[-1]
+            return Outside(0, pair if _is_defined_between(surface, box, *pair) else None)
         left = ~((low > 0) | (high < 0))
         if number:
             left[left] = ~_signed_where_defined(surface, cells[..., left], loose)
@@ -175,6 +177,33 @@ def _divided(cells, faces, rising, middle, half):
     return cells, faces
 
 
+def _is_defined_between(surface: Surface, box: np.ndarray, p: Point, q: Point) -> bool:
+    """Whether f is defined on a way from p to q that stays outside of `box` or on its faces, so that it has a zero there.
+
+    Every piece of the way keeps a coordinate that lies outside.
+    """
+    p, q = np.array(p), np.array(q)
+    axis_of = lambda v: int(np.argmax(np.maximum(box[0] - v, v - box[1]) / np.ptp(box, axis=0)))
+    a, b = axis_of(p), axis_of(q)
+    corner = p.copy()
+    middle = box[:, a].mean()
+    if a != b or (p[a] > middle) == (q[a] > middle):
+        corner[b] = q[b] if a != b else p[b]
+        way = [p, corner, q]
+    else:  # from one side to the one opposite: around
+        c = (a + 1) % 3
+        corner[c] = box[1, c] + np.ptp(box[:, c])
+        around = corner.copy()
+        around[a] = q[a]
+        way = [p, corner, around, q]
+    shares = np.linspace(0, 1, PIECES + 1)
+    points = np.concatenate([start + (stop - start) * shares[:, None] for start, stop in zip(way, way[1:])]).T
+    low, high = np.minimum(points[:, :-1], points[:, 1:]), np.maximum(points[:, :-1], points[:, 1:])
+    low, high = low - 1e-15 * np.abs(low), high + 1e-15 * np.abs(high)  # the pieces' ends are rounded
+    f_low, f_high, _, _ = _enclosed(surface, np.stack([low, high]), points[:, :-1], derivatives=False)
+    return bool((np.isfinite(f_low) & np.isfinite(f_high)).all())
+
+
 def _on_a_face(surface: Surface, box: np.ndarray) -> Outside | None:
     """A change of sign on a face of `box`, widened, between points of a regular grid."""
     steps, wide = np.linspace(0, 1, ON_A_FACE), np.array(widened(box))
@@ -186,5 +215,6 @@ def _on_a_face(surface: Surface, box: np.ndarray) -> Outside | None:
             _, _, sign, _ = _enclosed(surface, np.stack([points, points]), points, derivatives=False)
             if (sign == 1).any() and (sign == -1).any():
                 pair = tuple(tuple(points[:, np.flatnonzero(sign == s)[0]].tolist()) for s in (1, -1))
-                return Outside(0, pair, f"{'xyz'[axis]} = {box[side, axis]:.6g}")
+                if _is_defined_between(surface, box, *pair):
+                    return Outside(0, pair, f"{'xyz'[axis]} = {box[side, axis]:.6g}")
     return None

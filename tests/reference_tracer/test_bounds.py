@@ -14,7 +14,7 @@ from reference_tracer.render import render
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.promises import unproven
 from reference_tracer.surfaces import KINDS, Bounds, Ellipsoid, Expression, Heart, Sphere, Torus
-from reference_tracer.surfaces.outside import outside
+from reference_tracer.surfaces.outside import Outside, outside
 
 TURN = {"axis": [1, 1, 0], "degrees": 40}
 QUARTIC = "x**4 + y**4 + z**4 - 1"
@@ -185,3 +185,22 @@ def test_a_file_says_it_before_anything_is_traced():
     with pytest.raises(InputError, match="bounds do not hold"):
         parse_scene(json.dumps(document).encode())
     assert all("clip" in kind.model_fields for kind in KINDS)
+
+
+def test_signs_that_no_way_joins_break_no_promise():
+    """A cap: above it f > 0, below it f < 0, and f is not defined around the cylinder between: no zero lies outside."""
+    cap, box = Expression(formula="z - sqrt(0.75 - x**2 - y**2)"), ((-0.9,) * 3, (0.9,) * 3)
+    assert outside(cap, box) == Outside(0)
+    # as soon as f is defined there, the sheet goes on outside
+    for f in ("z - sqrt(0.75 + 0.1*x**2 + 0.1*y**2)", "z - sqrt(abs(0.75 - x**2 - y**2))"):
+        assert outside(Expression(formula=f), box).change
+
+
+def test_where_f_is_not_defined_no_box_is_put_around_what_is_inside():
+    """max(z - sqrt(1 - x^2 - y^2), -z) > 0 outside of its box wherever it is defined, and undefined elsewhere (M7)."""
+    dome = "max(z - sqrt(1 - x**2 - y**2), -z)"
+    found = outside(Expression(formula=dome), ((-1.01,) * 3, (1.01,) * 3))
+    assert found.sign == 1 and not found.defined
+    bounds = Bounds(low=(-1.01,) * 3, high=(1.01,) * 3)
+    assert Expression(formula=dome, bounds=bounds).box() and not Expression(formula=dome, bounds=bounds, inside="positive").box()
+    assert not outside(Expression(formula=f"{dome} + 1/x"), ((-1.01,) * 3, (1.01,) * 3)).sign
