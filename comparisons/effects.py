@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from reference_tracer.scene.model import Scene
 
-from . import metrics
 from .results import Effect, Run
-from .runs import Request, RunStore
+from .runs import Request
+from .verdicts.pairs import Measurements, Pair
 
 
 @dataclass(frozen=True)
@@ -54,18 +54,23 @@ def requests(scenes: Sequence[Scene]) -> list[Request]:
     return [request for pair in _pairs(scenes) for request in pair[1:]]
 
 
-def effects(scenes: Sequence[Scene], runs: dict[str, Run], store: RunStore) -> list[Effect]:
+def pairs(scenes: Sequence[Scene], runs: dict[str, Run]) -> list[Pair]:
+    """The pictures that show them, where there are both."""
+    return [pair for _, pair in _compared(scenes, runs)]
+
+
+def effects(scenes: Sequence[Scene], runs: dict[str, Run], measurements: Measurements) -> list[Effect]:
     """The effects that could be measured."""
-    found = []
-    for alternative, with_it, without in _pairs(scenes):
-        a, b = runs[with_it.key], runs[without.key]
-        if a.state == b.state == "ok":
-            planes = store.planes(a, with_it.scene), store.planes(b, without.scene)
-            measured = {"pixels": planes[0]["t"].size, **metrics.picture(*planes)}
-            found.append(Effect(id=f"{alternative.decision}--{alternative.scene}", decision=alternative.decision,
-                                scene=alternative.scene, change=alternative.change, finding=alternative.why(measured),
-                                baseline=a.key, variant=b.key, metrics=measured))
-    return found
+    return [Effect(id=f"{alternative.decision}--{alternative.scene}", decision=alternative.decision,
+                   scene=alternative.scene, change=alternative.change, finding=alternative.why(found.metrics),
+                   baseline=pair.first.key, variant=pair.second.key, metrics=found.metrics)
+            for alternative, pair in _compared(scenes, runs) if (found := measurements.of(pair)).state == "ok"]
+
+
+def _compared(scenes: Sequence[Scene], runs: dict[str, Run]) -> list[tuple[Alternative, Pair]]:
+    found = [(alternative, Pair(with_it.scene, runs[with_it.key], runs[without.key]))
+             for alternative, with_it, without in _pairs(scenes)]
+    return [(alternative, pair) for alternative, pair in found if pair.first.state == pair.second.state == "ok"]
 
 
 def _pairs(scenes: Sequence[Scene]) -> list[tuple[Alternative, Request, Request]]:

@@ -15,6 +15,12 @@ KINDS = {"color": ("f", (3,)), "t": ("f", ()), "position": ("f", (3,)), "normal"
 LARGEST_EXTRA = 1 << 20  # bytes of a plane's header, or of the metadata
 
 
+def read_planes(path: Path, camera: tuple[float, float, float]) -> dict[str, np.ndarray]:
+    """The planes of a picture, and the `camera`'s position under "camera"."""
+    planes, _ = load_npz(path)
+    return {**planes, "camera": np.array(camera)}
+
+
 def problem(path: Path, scene: Scene) -> str | None:
     """What is wrong with the planes in `path` as a picture of `scene`, in one line; None if nothing is."""
     height, width = scene.camera.height, scene.camera.width

@@ -75,6 +75,30 @@ class Progress:
         return f"{self.label + ': ' if self.label else ''}{share:.0%} after {_clock(elapsed)}{left}"
 
 
+class Cases(Progress):
+    """The cases of a pool: a bar, and where no terminal watches a line for every case that has ended."""
+
+    def __init__(self):
+        super().__init__(0)
+
+    def expect(self, cases: int) -> None:
+        with self._lock:
+            self.total = cases if self.total < 1 else self.total + cases
+            if cases:
+                self.show()
+
+    def begin(self, label: str, share: float = 0.0) -> None:
+        self.show(f"{label}, {share:.0%}" if share else label)
+
+    def end(self, label: str, seconds: float, state: str) -> None:
+        with self._lock:
+            self.step(1, label)
+            if not self._terminal:
+                self.log(f"{label}: {state}, {seconds:.1f} s ({self.done:.0f} of {self.total:.0f})")
+            if self.done >= self.total:
+                self.close()
+
+
 class _Bar:
     """On a terminal. It vanishes when it is closed."""
 
@@ -91,7 +115,8 @@ class _Bar:
         self._bar.start()
 
     def update(self) -> None:
-        self._bar.update(self._task, completed=self._progress.done, description=self._progress.label[:60])
+        self._bar.update(self._task, total=self._progress.total, completed=self._progress.done,
+                         description=self._progress.label[:60])
 
     def log(self, line: str) -> None:
         self._bar.console.print(line, markup=False, soft_wrap=True)

@@ -13,26 +13,16 @@ from pydantic import Field
 from . import document
 from .attribution.records import Attribution
 from .document import Record
+from .execution.machine import Machine
 
 VERSION = 1
 FILE = "results.json"
+COMMAND = "raytruth compare"
 RUNS = "runs"
 
 State = Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
 BROKEN = ("crashed", "timeout", "malformed")  # faults; "refused" and "missing" are answers
 Verdict = Literal["agrees", "differs", "expected", "not compared"]
-
-
-class Machine(Record):
-    """Where the runs were made."""
-
-    processor: str
-    cores: int
-    memory_gib: float
-    system: str
-    python: str
-    packages: dict[str, str] = Field(description="name of every package that can change a number: its version")
-    source: str = Field(description="hash of raytruth's own source")
 
 
 class SceneRecord(Record):
@@ -152,6 +142,23 @@ def write(results: Results, folder: Path) -> Path:
     return document.write(results, folder / FILE)
 
 
+def joined(earlier: Results | None, results: Results) -> Results:
+    """`results` with what an earlier document says of other scenes; lines of a study are joined in the same way."""
+    scenes = {scene.name for scene in results.scenes}
+    about = {"scenes": lambda s: s.name, **dict.fromkeys(("runs", "comparisons", "effects"), lambda row: row.scene)}
+    found = document.joined(earlier, results, about, scenes)
+    return document.joined(earlier, found.model_copy(update={"series": [
+        _longer(old, new) for new in results.series
+        for old in [next((s for s in (earlier.series if earlier else ()) if s.id == new.id), None)]]}), {"series": lambda s: s.id})
+
+
+def _longer(old: Series | None, new: Series) -> Series:
+    if old is None or not set(old.lines) - set(new.lines):
+        return new
+    return new.model_copy(update={"lines": {**old.lines, **new.lines}, "slope": {**old.slope, **new.slope},
+                                  "holds": old.holds and new.holds})
+
+
 def read(folder: str | Path) -> Results:
     """The results in `folder`. Raises InputError in one line."""
-    return document.read(Path(folder) / FILE, Results, "raytruth compare")
+    return document.read(Path(folder) / FILE, Results, COMMAND)

@@ -1,27 +1,28 @@
-"""Runs: one renderer, one scene. Each is made in its renderer's own process, and kept under a hash of its content."""
+"""Runs: one renderer, one scene. Each is made in its renderer's own process, and kept by its content."""
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
+import resource
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from pathlib import Path
 
-import numpy as np
 from pydantic import ValidationError
 
-from reference_tracer.image_files import load_npz
+from reference_tracer.image_files import save_npz
+from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
 
 from . import renderers
-from .machine import packages, source_hash
-from .metrics import Planes
-from .planes import problem
-from .process import Worker
+from .execution import store
+from .execution.pool import Pool, Task, complete
+from .verdicts.metrics import Planes
+from .planes import problem, read_planes
 from .results import RUNS, Run, Timing
 
 TIMINGS = ("build", "first", "warm")
+LARGEST_FILE = 1 << 30, 256  # bytes a renderer may write into one file, and as many more a pixel
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,16 @@ class Request:
     renderer: str
     settings: dict = field(default_factory=dict)
 
-    @property
+    @cached_property
     def key(self) -> str:
-        """A hash of all that can change the run: scene, renderer, settings, packages, source."""
-        content = [self.scene.hash, self.renderer, renderers.find(self.renderer).settings, self.settings, packages(),
-                   source_hash()]
-        return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
+        """A hash of all that can change the run: scene, renderer, settings, its code, the program that it starts."""
+        renderer = renderers.find(self.renderer)
+        return store.key(self.scene.hash, renderer.content, self.settings, made_by=renderer.code)
+
+    @property
+    def process(self) -> str:
+        """Runs of one renderer share processes."""
+        return self.renderer
 
     @property
     def command(self) -> str:
@@ -46,53 +51,55 @@ class Request:
                 f"--size {camera.width}x{camera.height} -o {self.scene.name}.npz")
 
 
-class RunStore:
-    """The folder of finished runs: `runs/KEY.npz` holds the planes, `runs/KEY.json` the record."""
+class RunStore(store.Store):
+    """The folder of finished runs."""
 
     def __init__(self, folder: Path):
-        self.folder = folder
-        (folder / RUNS).mkdir(parents=True, exist_ok=True)
+        super().__init__(folder, RUNS)
 
     def finished(self, request: Request) -> Run | None:
         """The finished run of an equal request, if there is one."""
-        record = self.folder / RUNS / f"{request.key}.json"
-        try:
-            run = Run.model_validate_json(record.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            return None
-        return run if run.planes and (self.folder / run.planes).exists() else None
+        run = self.find(request.key, Run.model_validate_json)
+        # scenes that differ in names alone have equal pictures
+        return run and run.model_copy(update={"scene": request.scene.name, "command": request.command})
 
-    def make(self, request: Request, worker: Worker, limit: float) -> Run:
-        """Makes the run in `worker`. Whatever goes wrong is told by the run's state; nothing is raised for it."""
-        renderer = renderers.find(request.renderer)
-        planes = f"{RUNS}/{request.key}.npz"
-        file = self.folder / planes
-        file.unlink(missing_ok=True)  # left by a run that was interrupted: it must not pass for this one's
-        answer = worker.ask({"renderer": request.renderer, "settings": request.settings,
-                             "scene": request.scene.model_dump_json(by_alias=True),
-                             "planes": str(file)}, limit)
+    def make_all(self, requests: Sequence[Request], pool: Pool, limit: float) -> dict[str, Run]:
+        """All runs by key. Whatever goes wrong is told by a run's state; nothing is raised for it. `limit`: seconds of one."""
+        by_key = {r.key: r for r in requests}
+        tasks = [Task(key, f"{r.renderer}: {r.scene.name}", "comparisons.runs:make", {
+            "renderer": r.renderer, "settings": r.settings, "scene": r.scene.model_dump_json(by_alias=True),
+            "planes": str(self.file(key))}, limit, r.process) for key, r in by_key.items()]
+        return complete(tasks, self, pool, Run.model_validate_json, partial(self._settled, by_key), arrays=True)
+
+    def make(self, request: Request, pool: Pool, limit: float) -> Run:
+        return self.make_all([request], pool, limit)[request.key]
+
+    def _settled(self, requests: dict[str, Request], task: Task, answer: dict) -> Run:
+        request, renderer = requests[task.key], renderers.find(requests[task.key].renderer)
         state, message, facts = answer["state"], answer.get("message", ""), answer.get("facts", {})
-        if state == "ok" and (wrong := problem(file, request.scene)):
+        if state == "ok" and (wrong := problem(self.file(task.key), request.scene)):
             state, message = "malformed", wrong
-        about = {"key": request.key, "scene": request.scene.name, "renderer": request.renderer, "title": renderer.title,
+        about = {"key": task.key, "scene": request.scene.name, "renderer": request.renderer, "title": renderer.title,
                  "settings": {**renderer.settings, **request.settings}, "command": request.command}
         try:
-            run = Run(**about, state=state, message=message, planes=planes if state == "ok" else None,
-                      timing=Timing(**{name: facts.get(name) for name in TIMINGS}),
-                      facts={k: v for k, v in facts.items() if k not in TIMINGS})
+            return Run(**about, state=state, message=message, planes=self.relative(task.key) if state == "ok" else None,
+                       timing=Timing(**{name: facts.get(name) for name in TIMINGS}),
+                       facts={k: v for k, v in facts.items() if k not in TIMINGS})
         except ValidationError:
-            run = Run(**about, state="malformed", message="told facts that are no numbers or texts")
-        if run.state != "ok":
-            for leftover in (file, file.with_suffix(".part")):
-                leftover.unlink(missing_ok=True)
-        else:
-            record = self.folder / RUNS / f"{request.key}.json"
-            part = record.with_suffix(".part")
-            part.write_text(run.model_dump_json(), encoding="utf-8")
-            os.replace(part, record)
-        return run
+            return Run(**about, state="malformed", message="told facts that are no numbers or texts")
 
     def planes(self, run: Run, scene: Scene) -> Planes:
         """The image planes of a finished run, and the camera's position under "camera"."""
-        planes, _ = load_npz(self.folder / run.planes)
-        return {**planes, "camera": np.array(scene.camera.position)}
+        return read_planes(self.file(run.key), scene.camera.position)
+
+
+def make(arguments: dict) -> dict:
+    """In a worker: renders a scene and writes its planes."""
+    scene = parse_scene(arguments["scene"].encode(), "scene")
+    most = LARGEST_FILE[0] + LARGEST_FILE[1] * scene.camera.width * scene.camera.height
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
+    picture = renderers.render(arguments["renderer"], scene, arguments["settings"])
+    facts = {k: v for k, v in picture.metadata.items() if isinstance(v, (int, float, str, bool)) or v is None}
+    with store.atomically(Path(arguments["planes"])) as part:
+        save_npz(picture, part)
+    return {"state": "ok", "facts": facts}

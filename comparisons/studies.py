@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,10 +10,10 @@ import numpy as np
 
 from reference_tracer.scene.model import Scene
 
-from . import history, metrics, renderers
-from .metrics import Planes
+from . import renderers
 from .results import Run, Series
-from .runs import Request, RunStore
+from .runs import Request
+from .verdicts.pairs import Measurements, Pair
 
 CURVED, MIRRORED = ("figure-05-sphere", "figure-07-torus", "figure-09-heart"), ("figure-reflection",)
 MESH_RESOLUTIONS = (64, 128, 256, 512)
@@ -27,7 +27,10 @@ class Study(Protocol):
     def requests(self) -> list[Request]:
         """The runs the study needs."""
 
-    def series(self, runs: dict[str, Run], store: RunStore) -> Series:
+    def pairs(self, runs: dict[str, Run]) -> list[Pair]:
+        """Those of them that are held against each other."""
+
+    def series(self, runs: dict[str, Run], measurements: Measurements) -> Series:
         """What they show."""
 
 
@@ -47,7 +50,7 @@ class ResolutionLadder:
     renderer: str
     resolutions: tuple[int, ...]
     scenes: list[Scene]
-    error: Callable[[Scene, Planes, Planes], float | None]  # of a scene, the reference's planes, the renderer's
+    error: str  # a metric
     band: tuple[float, float] = (-2.4, -1.6)  # where the slope must lie
 
     def requests(self):
@@ -58,16 +61,15 @@ class ResolutionLadder:
         usual = renderers.find(self.renderer).settings["resolution"]
         return Request(scene, self.renderer, {} if resolution == usual else {"resolution": resolution, "repeat": False})
 
-    def series(self, runs, store):
-        lines = {}
-        for scene in self.scenes:
-            truth = runs[Request(scene, "exact").key]
-            points = []
-            for n in self.resolutions:
-                test = runs[self._request(scene, n).key]
-                if truth.state == test.state == "ok":
-                    points.append((float(n), self.error(scene, store.planes(truth, scene), store.planes(test, scene))))
-            lines[scene.title] = [p for p in points if p[1]]
+    def _pair(self, scene: Scene, resolution: int, runs: dict[str, Run]) -> Pair | None:
+        return _pair(scene, self._request(scene, resolution), runs, self.error.startswith("smooth"))
+
+    def pairs(self, runs):
+        return [pair for s in self.scenes for n in self.resolutions if (pair := self._pair(s, n, runs))]
+
+    def series(self, runs, measurements):
+        lines = {scene.title: [(float(n), error) for n in self.resolutions if (pair := self._pair(scene, n, runs))
+                               and (error := measurements.of(pair).metrics.get(self.error))] for scene in self.scenes}
         slopes = _slopes(lines)
         holds = len(slopes) == len(self.scenes) and all(self.band[0] <= s <= self.band[1] for s in slopes.values())
         return Series(id=self.id, title=self.title, x_label="cells along the longest side", y_label=self.y_label,
@@ -77,14 +79,10 @@ class ResolutionLadder:
                       command=f"raytruth compare {' '.join(s.name for s in self.scenes)} --renderers {self.renderer}")
 
 
-def _geometric(name: str) -> Callable[[Scene, Planes, Planes], float | None]:
-    return lambda scene, truth, test: metrics.geometry(truth, test)[name]
-
-
-def _smooth_color(scene: Scene, truth: Planes, test: Planes) -> float | None:
-    """The 99th percentile of the colour's error where no ray of the pixel's history is near an edge."""
-    error = metrics.pixel_error(truth["color"], test["color"])[history.smooth(scene, truth)]
-    return float(np.quantile(error, 0.99)) if error.size else None
+def _pair(scene: Scene, request: Request, runs: dict[str, Run], smooth: bool = False) -> Pair | None:
+    """The truth and the run that was asked for, where there are both."""
+    truth, test = runs[Request(scene, "exact").key], runs[request.key]
+    return Pair(scene, truth, test, smooth) if truth.state == test.state == "ok" else None
 
 
 def ladders(scenes: Sequence[Scene]) -> list[ResolutionLadder]:
@@ -94,16 +92,16 @@ def ladders(scenes: Sequence[Scene]) -> list[ResolutionLadder]:
     away = "99th percentile, away from silhouettes"
     return [
         ResolutionLadder("mesh-ladder", "Depth error of meshes", f"relative depth error, {away}", "mitsuba-mesh",
-                         MESH_RESOLUTIONS, curved, _geometric("depth p99")),
+                         MESH_RESOLUTIONS, curved, "depth p99"),
         ResolutionLadder("mesh-normals", "Normals of meshes", f"angle in degrees, {away}", "mitsuba-mesh",
-                         MESH_RESOLUTIONS, curved, _geometric("normal p99 degrees")),
+                         MESH_RESOLUTIONS, curved, "normal p99 degrees"),
         ResolutionLadder("mesh-colors", "Colours of meshes", "colour error, 99th percentile, away from silhouettes, "
                          "those in mirrors too, and from shadows", "mitsuba-mesh", MESH_RESOLUTIONS, shaded,
-                         _smooth_color),
+                         "smooth color p99"),
         ResolutionLadder("grid-ladder", "Depth error of grids", f"relative depth error, {away}", "mitsuba-sdfgrid",
-                         GRID_RESOLUTIONS, curved, _geometric("depth p99")),
+                         GRID_RESOLUTIONS, curved, "depth p99"),
         ResolutionLadder("grid-normals", "Normals of grids", f"angle in degrees, {away}", "mitsuba-sdfgrid",
-                         GRID_RESOLUTIONS, curved, _geometric("normal p99 degrees"))] if curved else []
+                         GRID_RESOLUTIONS, curved, "normal p99 degrees")] if curved else []
 
 
 @dataclass
@@ -120,17 +118,16 @@ class StepLadder:
     def _request(scene: Scene, step_size: float) -> Request:
         return Request(scene, "paper", {"step_size": step_size, "repeat": False})
 
-    def series(self, runs, store):
+    def pairs(self, runs):
+        return [pair for s in self.scenes for h in STEP_SIZES if (pair := _pair(s, self._request(s, h), runs))]
+
+    def series(self, runs, measurements):
         lines = {}
         for scene in self.scenes:
-            truth = runs[Request(scene, "exact").key]
-            points = []
-            for h in STEP_SIZES:
-                test = runs[self._request(scene, h).key]
-                if truth.state == test.state == "ok":
-                    wrong = store.planes(truth, scene)["index"] != store.planes(test, scene)["index"]
-                    points.append((h, float(max(wrong.sum(), NONE))))
-            lines[scene.title] = points
+            found = [(h, measurements.of(pair)) for h in STEP_SIZES
+                     if (pair := _pair(scene, self._request(scene, h), runs))]
+            lines[scene.title] = [(h, float(max(m.metrics["object mismatches"], NONE))) for h, m in found
+                                  if m.state == "ok"]
         slopes = _slopes(lines, floor=NONE)
         wrong = [dict(points) for points in lines.values()]
         holds = all(len(w) == len(STEP_SIZES) and w[FINE_STEP] <= max(0.01 * w[DOCUMENT_STEP], NONE) for w in wrong)

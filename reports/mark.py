@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from comparisons import results as comparison
-from comparisons.machine import packages, source_hash
+from comparisons.execution.machine import packages, source_hash
 from comparisons.results import Results
 
 from .documents import READERS

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from itertools import groupby
 from string import ascii_uppercase
 
-from comparisons.agreement.matrix import LITERAL
 from comparisons.agreement.records import Dissent, Matrix, Member, Pair, Place
 
 from . import scale
@@ -71,8 +70,8 @@ class Shown:
 
 
 def kind(dissent: Dissent) -> str:
-    """"expected", "odd" (one renderer against a majority) or "split" (nobody can say)."""
-    return "expected" if dissent.expected else "odd" if len(dissent.renderers) == 1 else "split"
+    """"expected", "odd" (a majority contradicts it) or "split" (nobody can say)."""
+    return "expected" if dissent.expected else "split" if dissent.split else "odd"
 
 
 def shown(document: Matrix) -> Shown:
@@ -113,7 +112,7 @@ def _overall(document: Matrix) -> Table:
         worst = max(both, key=lambda p: math.inf if p.color_p99 is None else p.color_p99)
         agreeing = sum(p.agrees for p in both)
         found = _cell(worst)
-        disagree = "expected" if LITERAL in (a.name, b.name) else "disagree"
+        disagree = "expected" if all(p.agrees or p.expected for p in both) else "disagree"
         return Cell(found.text, "agree" if agreeing == len(both) else disagree, found.colour, found.dark,
                     f"agree on {agreeing} of {len(both)} scenes; furthest apart on {worst.scene}: {_numbers(worst)}")
 
@@ -130,7 +129,7 @@ def _letters(count: int) -> list[str]:
 
 
 def _cell(pair: Pair) -> Cell:
-    style = "agree" if pair.agrees else "expected" if LITERAL in (pair.first, pair.second) else "disagree"
+    style = "agree" if pair.agrees else "expected" if pair.expected else "disagree"
     title = f"{pair.first} and {pair.second}: {_numbers(pair)}" + ("" if pair.agrees else f". {pair.broken}")
     if pair.color_p99 is None or not math.isfinite(pair.color_p99):
         return Cell("?", style, css(scale.NON_FINITE), False, title)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from comparisons.metrics import pixel_error
+from comparisons.verdicts.metrics import pixel_error
 from comparisons.transport.results import CaseRecord, Transport
 from reference_tracer.image_files import to_8_bit
 

@@ -2,70 +2,86 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 
 from reference_tracer.scene import library
 from reference_tracer.scene.model import Scene
 
 from .. import renderers
-from ..results import Run
-from ..runs import Request, RunStore
-from .majority import odd_ones
-from .pairs import pairs
+from ..results import Comparison, Run
+from ..runs import Request
+from ..verdicts.majority import Odd, odd_ones, stages_of
+from ..verdicts.judge import judge
+from ..verdicts.pairs import Measurements
+from ..verdicts.pairs import Pair as Pictures
+from ..verdicts.tolerances import between
 from .records import Absent, Dissent, Matrix, Member, Pair, Place, Tightness
 
-LITERAL = "paper"
 WORDS = {"missing": "is not installed", "refused": "cannot express the scene", "crashed": "crashed",
          "timeout": "ran out of time", "malformed": "wrote what is no picture"}
 
 
-def matrix(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run], store: RunStore, *, jobs: int = 2,
-           tightness: Sequence[Tightness] = (), done: Callable[[], None] = lambda: None) -> Matrix:
-    """The matrix of the renderers `names` on `scenes`, all of whose `runs` (by key) have been made.
+def matrix(scenes: Sequence[Scene], names: dict[str, tuple[str, ...]], runs: dict[str, Run], pairs: Sequence[Pictures],
+           measurements: Measurements, comparisons: Sequence[Comparison], tightness: Sequence[Tightness] = ()) -> Matrix:
+    """The matrix of the renderers that `names` has for `scenes`, all of whose `runs` (by key) have been made, from `pairs`.
 
-    `done` is called after every scene. Pairs are kept in the store: what was measured before is not measured again.
+    Who differs from the truth as its nature is, by `comparisons`, has no vote on that scene.
     """
-    of_scene = {scene.name: [runs[Request(scene, name).key] for name in names] for scene in scenes}
-
-    def measure(scene: Scene) -> list[Pair]:
-        found = pairs(scene, of_scene[scene.name], store)
-        done()
-        return found
-
-    with ThreadPoolExecutor(jobs) as pool:
-        measured = list(pool.map(measure, scenes))
+    of_scene = {scene.name: [runs[Request(scene, name).key] for name in names[scene.name]] for scene in scenes}
+    natural = {(c.scene, runs[c.test].renderer) for c in comparisons if c.verdict == "expected"}
+    measured = {scene.name: [_pair(p, measurements, natural) for p in pairs if p.scene.name == scene.name]
+                for scene in scenes}
     members = [Member(name=name, title=renderers.find(name).title, implementation=renderers.find(name).module)
-               for name in names]
+               for name in dict.fromkeys(name for scene in scenes for name in names[scene.name])]
     absent = [Absent(scene=scene.name, renderer=run.renderer, state=run.state,
                      reason=f"{WORDS[run.state]}: {run.message}")
               for scene in scenes for run in of_scene[scene.name] if run.state != "ok"]
     places = [Place(name=s.name, title=s.title or s.name, pixels=s.camera.width * s.camera.height,
                     effect=s.name in library.effects()) for s in scenes]
-    return Matrix(members=members, places=places, pairs=[pair for found in measured for pair in found], absent=absent,
-                  dissent=[d for scene, found in zip(scenes, measured) for d in dissent(scene, members, of_scene, found)],
+    return Matrix(members=members, places=places, absent=absent,
+                  pairs=[pair for found in measured.values() for pair in found],
+                  dissent=[d for scene in scenes for d in dissent(scene, of_scene[scene.name], measured[scene.name])],
                   tightness=list(tightness), command="raytruth compare")
 
 
-def dissent(scene: Scene, members: list[Member], of_scene: dict[str, list[Run]], found: list[Pair]) -> list[Dissent]:
-    """The renderers that the majority on `scene` contradicts."""
-    present = {run.renderer for run in of_scene[scene.name] if run.state == "ok"}
-    broken = {frozenset((p.first, p.second)): p for p in found if not p.agrees}
+def _pair(pictures: Pictures, measurements: Measurements, natural: set[tuple[str, str]]) -> Pair:
+    first, second, found = pictures.first, pictures.second, measurements.of(pictures)
+    tolerance, m = between(first, second), found.metrics
+    verdict, reason = judge(m, tolerance)[:2] if found.state == "ok" else (
+        "differs", f"measuring {found.state}: {found.message}")
+    return Pair(scene=pictures.scene.name, first=first.renderer, second=second.renderer, agrees=verdict == "agrees",
+                expected=verdict != "agrees" and any((pictures.scene.name, run.renderer) in natural
+                                                     for run in (first, second)),
+                tolerance=tolerance.name, broken="" if verdict == "agrees" else reason, color_p99=m.get("color p99"),
+                color_max=m.get("color max"), inner_max=m.get("inner max"), failing=m.get("failing pixels"),
+                mismatches=m.get("object mismatches"), depth_p99=m.get("depth p99"))
+
+
+def dissent(scene: Scene, runs: Sequence[Run], found: Sequence[Pair]) -> list[Dissent]:
+    """Who the majority on `scene` contradicts, of all that have a vote; then who differs as its nature is."""
     told = []
-    for odd in odd_ones({m.name: m.implementation for m in members if m.name in present}, map(tuple, broken), LITERAL):
-        example = max((p for pair, p in broken.items() if pair & set(odd.suspects)), key=lambda p: p.color_p99 or 0)
-        expected = LITERAL in odd.suspects
-        told.append(Dissent(scene=scene.name, renderers=list(odd.suspects), against=list(odd.against), expected=expected,
-                            sentence=_sentence(odd, example, expected)))
+    voters = {run.renderer: stages_of(run, renderers.find(run.renderer).module) for run in runs if run.state == "ok"}
+    for pair in (broken := [p for p in found if not p.agrees and p.expected]):
+        natural = pair.second if pair.first == runs[0].renderer else pair.first
+        if voters.pop(natural, None) is not None:
+            others = [p.second if p.first == natural else p.first for p in broken if natural in (p.first, p.second)]
+            told.append(Dissent(scene=scene.name, renderers=[natural], against=others, expected=True, sentence=(
+                f"{natural} disagrees with {_listed(others)}; between {pair.first} and {pair.second} {pair.broken}; its "
+                "oracle shows the same: its nature, not a fault; the causes stand with the comparison")))
+    counted = {frozenset((p.first, p.second)): p for p in found if not p.agrees and {p.first, p.second} <= voters.keys()}
+    if odd := odd_ones(voters, map(tuple, counted)):
+        example = max((p for pair, p in counted.items() if pair & set(odd.suspects)), key=lambda p: p.color_p99 or 0)
+        told.insert(0, Dissent(scene=scene.name, renderers=list(odd.suspects), against=list(odd.against),
+                               stages=list(odd.stages), split=odd.split, expected=False, sentence=_sentence(odd, example)))
     return told
 
 
-def _sentence(odd, example: Pair, expected: bool) -> str:
+def _sentence(odd: Odd, example: Pair) -> str:
     numbers = f"between {example.first} and {example.second} {example.broken}"
-    if len(odd.suspects) > 1:
+    if odd.split:
         return f"no majority tells which of {_listed(odd.suspects)} is wrong; {numbers}"
-    return f"{odd.suspects[0]} disagrees with {_listed(odd.against)}; {numbers}" + (
-        "; what falls between two of its steps is missed, which is its nature and not a fault" if expected else "")
+    together = f", which share {_listed(odd.stages)}," if len(odd.suspects) > 1 else ""
+    return f"{_listed(odd.suspects)}{together} disagree{'' if together else 's'} with {_listed(odd.against)}; {numbers}"
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -39,13 +39,14 @@ class Pair(Record):
     first: str
     second: str
     agrees: bool
+    expected: bool = Field(False, description="whether a limit is exceeded by what the literal method misses")
     tolerance: str = Field(description="the limits they were held to, by name")
     broken: str = Field("", description="the first limit that is exceeded, with its numbers")
     color_p99: float | None = Field(description="99 % of the pixels differ by less")
     color_max: float | None
     inner_max: float | None = Field(description="the same away from silhouettes of what is seen first")
-    failing: int = Field(description="pixels off by more than one step of an 8-bit picture")
-    mismatches: int = Field(description="pixels where another object, or none, was hit")
+    failing: int | None = Field(description="pixels off by more than one step of an 8-bit picture")
+    mismatches: int | None = Field(description="pixels where another object, or none, was hit")
     depth_p99: float | None = Field(description="99 % of interior pixels have a smaller relative error of depth")
 
 
@@ -62,9 +63,11 @@ class Dissent(Record):
     """A scene on which not all agree: the renderers that all the others contradict."""
 
     scene: str
-    renderers: list[str] = Field(description="one: the odd one out; several: nobody can say which of them is")
+    renderers: list[str] = Field(description="those who are wrong together; of a split: one of them is")
     against: list[str] = Field(description="those they disagree with")
-    expected: bool = Field(description="whether the literal method's misses explain it")
+    stages: list[str] = Field([], description="what their pictures hang on, and no other's")
+    split: bool = Field(False, description="whether nobody can say who is wrong")
+    expected: bool = Field(description="whether it is what the literal method misses, as its oracle does")
     sentence: str
 
 
@@ -95,6 +98,14 @@ class Matrix(Record):
     dissent: list[Dissent]
     tightness: list[Tightness] = []
     command: str
+
+
+def joined(earlier: Matrix | None, matrix: Matrix) -> Matrix:
+    """`matrix` with what an earlier one says of other scenes."""
+    scenes = {place.name for place in matrix.places}
+    about = {"places": lambda p: p.name, **dict.fromkeys(("pairs", "absent", "dissent"), lambda row: row.scene)}
+    found = document.joined(earlier, matrix, about, scenes)
+    return document.joined(earlier, found, {"members": lambda m: m.name, "tightness": lambda t: (t.tolerance, t.gate)})
 
 
 def write(matrix: Matrix, folder: Path) -> Path:

@@ -11,14 +11,15 @@ from dataclasses import dataclass, field
 
 from reference_tracer.scene.model import Scene
 
-from ..gate import DOUBLE, GRID, MESH, NATIVE, ORACLE, TRACERS, Tolerance, between, judge
+from ..verdicts.judge import judge
+from ..verdicts.tolerances import DOUBLE, GRID, MESH, NATIVE, ORACLE, TRACERS, Tolerance, between
 from ..results import Gate, Run
-from ..runs import Request, RunStore
-from .pairs import Pictures, measured
+from ..runs import Request
+from ..verdicts.pairs import Measurements, Pair
 from .records import Tightness
 
 TRUTH = "exact"
-ALWAYS = {"not finite", "interior mismatches"}  # limits of zero under every tolerance
+ALWAYS = {"not finite", "interior mismatches", "undecided pixels"}  # the same under every tolerance
 OWN_OFFSET = {"offset": 9e-5}  # of Mitsuba's own rays from the surface they leave, relative to 1 + its coordinates
 
 
@@ -66,9 +67,11 @@ def requests(scenes: Sequence[Scene], names: Sequence[str]) -> list[Request]:
             for worse in held.worse for scene in _studied(scenes)]
 
 
-def tightness(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run], store: RunStore) -> list[Tightness]:
+def tightness(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run],
+              measurements: Measurements) -> list[Tightness]:
     """Every limit that something worse than a renderer in `names` tests."""
-    return [row for held in HELD if held.among(names) for row in _rows(held, _studied(scenes), runs, store)]
+    return [row for held in HELD if held.among(names) 
+            for row in _rows(held, _studied(scenes), runs, measurements)]
 
 
 def _studied(scenes: Sequence[Scene]) -> list[Scene]:
@@ -90,30 +93,42 @@ class _Case:
         return 0.0 if not value else value / limit if limit else float("inf")
 
 
-def _rows(held: Held, scenes: Sequence[Scene], runs: dict[str, Run], store: RunStore) -> list[Tightness]:
-    """A row for every limit; scenes held to another tolerance, without native shapes, say, are left out."""
+def pairs(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run]) -> list[Pair]:
+    """What has to be measured for it."""
+    return [pair for held in HELD if held.among(names) for scene in _studied(scenes)
+            for pair in _pairs(held, scene, runs)]
+
+
+def _pairs(held: Held, scene: Scene, runs: dict[str, Run]) -> list[Pair]:
+    """The renderer, then everything worse, against what it is held to; none where one is missing, or where the scene is
+    held to another tolerance: without native shapes, say."""
+    base, *others = (runs[request.key] for request in (
+        Request(scene, held.against), Request(scene, held.renderer),
+        *(Request(scene, worse.renderer, worse.settings) for worse in held.worse)))
+    if any(run.state != "ok" for run in (base, *others)) or between(base, others[0]) is not held.tolerance:
+        return []
+    return [Pair(scene, base, run) for run in others]
+
+
+def _rows(held: Held, scenes: Sequence[Scene], runs: dict[str, Run], measurements: Measurements) -> list[Tightness]:
+    """A row for every limit."""
     usual: dict[str, list[_Case]] = defaultdict(list)
     worsened: dict[str, list[_Case]] = defaultdict(list)
     for scene in scenes:
-        base, test = (runs[Request(scene, name).key] for name in (held.against, held.renderer))
-        others = [(worse, runs[Request(scene, worse.renderer, worse.settings).key]) for worse in held.worse]
-        if any(run.state != "ok" for run in (base, test, *(run for _, run in others))):
+        found = [measurements.of(pair) for pair in _pairs(held, scene, runs)]
+        if not found or any(m.state != "ok" for m in found):
             continue
-        if between(base, test) is not held.tolerance:
-            continue
-        pictures = Pictures(scene, store)
-        for gate in judge(measured(pictures, base, test, store), held.tolerance)[2]:
+        for gate in judge(found[0].metrics, held.tolerance)[2]:
             usual[gate.name].append(_Case(scene, gate))
-        for worse, run in others:
-            for gate in judge(measured(pictures, base, run, store), held.tolerance)[2]:
+        for worse, m in zip(held.worse, found[1:]):
+            for gate in judge(m.metrics, held.tolerance)[2]:
                 worsened[gate.name].append(_Case(scene, gate, worse))
     return [_row(held.tolerance, max(cases, key=lambda c: c.share), max(worsened[name], key=lambda c: c.share))
             for name, cases in usual.items() if name not in ALWAYS]
 
 
 def _row(tolerance: Tolerance, usual: _Case, worst: _Case) -> Tightness:
-    # a limit of zero cannot be tighter
     return Tightness(tolerance=tolerance.name, gate=usual.gate.name, limit=usual.gate.limit, unit=usual.gate.unit,
                      scene=usual.scene.name, share=usual.share, worse=worst.worse.words, worse_scene=worst.scene.name,
-                     worse_share=worst.share, verdict="tight" if worst.share > 1 or not usual.gate.limit else "loose",
+                     worse_share=worst.share, verdict="tight" if worst.share > 1 else "loose",
                      command=Request(worst.scene, worst.worse.renderer, worst.worse.settings).command)

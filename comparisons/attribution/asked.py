@@ -11,7 +11,7 @@ from skimage.morphology import erosion
 from reference_tracer.render import Picture
 from reference_tracer.scene.model import Scene
 
-from ..metrics import pixel_error
+from ..verdicts.metrics import pixel_error
 from .bounds import AROUND, Accuracy, Bounds, accuracy_of, bounds
 
 FEWEST = 4  # pixels that may always stray

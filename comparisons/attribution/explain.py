@@ -7,6 +7,7 @@ from pathlib import Path
 
 from reference_tracer.scene.model import Scene
 
+from ..execution.pool import Pool
 from ..results import Comparison, Run
 from .made import Task, make_all
 from .records import Attribution
@@ -14,15 +15,15 @@ from .records import Attribution
 LARGEST = 320  # pixels of the longer side are enough: a stage that fails does so at any size
 
 
-def explained(comparisons: Sequence[Comparison], scenes: Sequence[Scene], runs: dict[str, Run], folder: Path, *,
-              jobs: int, quiet: bool) -> list[Comparison]:
+def explained(comparisons: Sequence[Comparison], scenes: Sequence[Scene], runs: dict[str, Run], folder: Path,
+              pool: Pool) -> list[Comparison]:
     """The comparisons, those with the verdict "differs" with their attribution; None where it could not be made."""
     by_name = {scene.name: scene for scene in scenes}
     tasks = {c.id: Task(by_name[c.scene], runs[c.reference].renderer, runs[c.test].renderer)
              for c in comparisons if c.verdict == "differs"}
     if not tasks:
         return list(comparisons)
-    made = make_all(list(tasks.values()), folder, jobs=jobs, quiet=quiet)
+    made = make_all(list(tasks.values()), folder, pool)
     return [c.model_copy(update={"attribution": _attribution(made[tasks[c.id]].judged)}) if c.id in tasks else c
             for c in comparisons]
 

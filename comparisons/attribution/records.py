@@ -86,6 +86,14 @@ class Judged(Record):
     attribution: Attribution
 
 
+class Made(Record):
+    """What became of a task; `judged` is there if `state` is "ok"."""
+
+    state: Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
+    message: str = ""
+    judged: Judged | None = None
+
+
 class Judgement(Record):
     """What one renderer alone makes of a tracer that is wrong on purpose."""
 

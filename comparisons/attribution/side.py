@@ -29,7 +29,9 @@ class Side:
 def of_renderer(name: str) -> Side:
     """A renderer of the suite. Raises InputError for an unknown one."""
     renderer = renderers.find(name)
-    settings = {**renderer.settings, **({"repeat": False} if renderer.module in ("reference", "mitsuba") else {})}
+    # a derived scene may have none of the native shapes that its scene has
+    quick = {"reference": {"repeat": False}, "mitsuba": {"repeat": False, "require_native": False}}
+    settings = {**renderer.settings, **quick.get(renderer.module, {})}
     make = lambda scene: renderers.render(name, scene, settings)
     if renderer.module == "reference":
         rays = lambda scene, row, col: history.ours(scene, row, col, renderer.settings["method"], renderer.title)

@@ -7,9 +7,10 @@ from pathlib import Path
 from reference_tracer.scene import library
 
 from .. import document
+from ..execution.pool import Pool, Progress
 from ..renderers import RENDERERS
-from .made import Made, Task, make_all
-from .records import FILE, Judgement, Table, WrongOnPurpose
+from .made import Task, make_all
+from .records import FILE, Judgement, Made, Table, WrongOnPurpose
 from .wrong import FAULTS, Fault
 
 JUDGES = ("mitsuba-native", "povray")  # renderers that share no tracing with the reference
@@ -17,14 +18,15 @@ WIDTH, HEIGHT = 240, 180
 COMMAND = "raytruth attribute --wrong-on-purpose"
 
 
-def wrong_on_purpose(folder: Path, *, jobs: int = 2, quiet: bool = False) -> Table:
+def wrong_on_purpose(folder: Path, *, jobs: int = 2, progress: Progress | None = None) -> Table:
     """Puts every fault, and none, before every judge, and writes attribution.json into `folder`."""
     judges = [name for name in JUDGES if name in RENDERERS]
     tasks = {(fault.id, fault.effect): fault for fault in FAULTS.values()}
     tasks.update({("", effect): None for effect in library.effects()})
     asked = {(id, effect, judge): Task(library.scene(effect).resized(WIDTH, HEIGHT), judge, fault=id)
              for id, effect in tasks for judge in judges}
-    made = make_all(list(asked.values()), folder, jobs=jobs, quiet=quiet)
+    with Pool(jobs, progress) as pool:
+        made = make_all(list(asked.values()), folder, pool)
     rows = [_row(fault, effect, [_judgement(judge, made[asked[id, effect, judge]]) for judge in judges])
             for (id, effect), fault in tasks.items()]
     table = Table(width=WIDTH, height=HEIGHT, rows=rows, command=COMMAND)

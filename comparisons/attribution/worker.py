@@ -1,20 +1,17 @@
-"""The child process in which attributions are made: two renderers that may crash, one of them wrong on purpose."""
+"""What a worker does for an attribution: two renderers that may crash, one of them wrong on purpose."""
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
 
-from ..worker import serve
-
-
-def _answer(request: dict) -> dict:
+def answer(request: dict) -> dict:
+    """In a worker: the attribution of two renderers on a scene, and whether their comparison differs."""
     import numpy as np
 
     from reference_tracer.scene.load import parse_scene
 
-    from ..gate import judge, tolerance_of
-    from ..metrics import geometry, picture
+    from ..verdicts.judge import judge
+    from ..verdicts.tolerances import tolerance_of
+    from ..verdicts.metrics import geometry, picture
     from ..results import Run
     from . import side
     from .attribute import attribute
@@ -33,11 +30,4 @@ def _answer(request: dict) -> dict:
         verdict, reason, _ = judge(measured, tolerance_of(run))
         found = verdict == "differs"
     judged = Judged(found=found, reason=reason, attribution=attribute(scene, a, b))
-    part = Path(request["output"]).with_suffix(".part")
-    part.write_text(judged.model_dump_json(), encoding="utf-8")
-    os.replace(part, request["output"])
-    return {"state": "ok"}
-
-
-if __name__ == "__main__":
-    serve(_answer)
+    return {"state": "ok", "judged": judged.model_dump(mode="json")}

@@ -15,7 +15,7 @@ from reference_tracer.image_files import planes_of, save
 from reference_tracer.render import render
 from reference_tracer.scene import library
 
-from ..memory import peak_kib
+from ..execution.machine import peak_kib
 from .timing import timed
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..metrics import VISIBLE, Planes, pixel_error
+from ..verdicts.metrics import VISIBLE, Planes, pixel_error
 from .results import Accuracy, Uncertainty
 from .truth import Truth
 

@@ -10,21 +10,21 @@ from reference_tracer.image_files import load_npz
 from reference_tracer.scene.model import Scene
 
 from ..bench.timing import QUIET
-from ..metrics import pixel_error
+from ..verdicts.metrics import pixel_error
 from ..planes import problem
 from .growth import SECONDS, Study
 from .results import Growth, GrowthLine, GrowthPoint, clock
-from .store import Store
+from .store import ChartStore
 from .sweeps import OURS, Contestant
 from .team import Team
 from .turns import take_turns
 
 
-def measured(study: Study, turns: int, store: Store, team: Team) -> Growth:
+def measured(study: Study, turns: int, store: ChartStore, team: Team) -> Growth:
     """The study's record; one without a failure is kept."""
     scenes = {x: study.scene(x) for x in study.values}
     key = store.key(next(iter(scenes.values())), study.id, [s.hash for s in scenes.values()], study.values, study.lines)
-    kept = store.find(key, Growth)
+    kept = store.find(key, Growth.model_validate_json)
     if kept:
         return kept
     growth = _Growing(study, scenes, store, team).growth(turns)
@@ -34,7 +34,7 @@ def measured(study: Study, turns: int, store: Store, team: Team) -> Growth:
 
 
 class _Growing:
-    def __init__(self, study: Study, scenes: dict[float, Scene], store: Store, team: Team):
+    def __init__(self, study: Study, scenes: dict[float, Scene], store: ChartStore, team: Team):
         self.study, self.scenes, self.store, self.team = study, scenes, store, team
 
     def growth(self, turns: int) -> Growth:
@@ -74,10 +74,10 @@ class _Growing:
 
     def _first(self, label: str, settings: dict, x: float, scene: Scene) -> tuple[np.ndarray | None, dict]:
         """The colours of the first picture, and the answer."""
-        file = self.store.path(self.store.key(scene, self.study.id, label, x), "-planes.npz")
+        id = self._id(label, x)
+        file = self.team.planes(id)
         try:
-            answer = self.team.first(self._id(label, x), scene, Contestant(OURS, settings), file,
-                                     threads=self._threads(x))
+            answer = self.team.firsts(scene, {id: Contestant(OURS, settings)}, threads=self._threads(x))[id]
             if answer["state"] == "ok" and (wrong := problem(file, scene)):
                 answer = {"state": "malformed", "message": wrong}
             return (load_npz(file)[0]["color"] if answer["state"] == "ok" else None), answer

@@ -146,8 +146,6 @@ class Other:
         self.timed_settings = {**settings, **timed_settings}
 
     def first(self) -> Made:
-        if self.name == "mitsuba-native" and not _any_native(self.scene):
-            raise UnsupportedError("Mitsuba has no shape for any of these surfaces: all of them would be meshes")
         return self._made(self.settings)
 
     def warm(self) -> Made:
@@ -166,12 +164,6 @@ class Other:
 
     def evaluations(self) -> None:
         return None
-
-
-def _any_native(scene: Scene) -> bool:
-    from converters.mitsuba.shapes import native  # only the process that runs Mitsuba imports it
-
-    return any(native(obj, scene) for obj in scene.objects)
 
 
 class Oracle:

@@ -164,9 +164,11 @@ def clock(others: list[float]) -> Clock:
     return "wall" if not others or mean(others) < QUIET else "cpu"
 
 
-def keep(chart: Chart, folder: Path) -> Chart:
-    """Writes the document into `folder`, unless the same one is there."""
-    return document.keep(chart, folder / FILE, COMMAND)
+def keep(chart: Chart, folder: Path, fresh: bool = False) -> Chart:
+    """Writes the document into `folder`, with the other subjects and studies that are there unless `fresh`."""
+    earlier = None if fresh else document.found(folder / FILE, Chart, COMMAND)
+    rows = {"subjects": lambda s: s.id, "growths": lambda g: g.id}
+    return document.keep(document.joined(earlier, chart, rows, same=("turns", "threads")), folder / FILE, COMMAND)
 
 
 def read(folder: str | Path) -> Chart:

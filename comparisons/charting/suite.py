@@ -5,25 +5,24 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
 from reference_tracer.image_files import load_npz
 
-from ..machine import machine
+from ..execution.machine import machine
 from ..planes import problem
-from ..progress import Progress
+from ..execution.pool import Progress, Silent
 from . import truth as truths
 from .accuracy import accuracy, uncertainty
 from .findings import findings
 from .growth import Study
 from .growing import measured
 from .results import Chart, Point, Series, Subject, clock
-from .store import Store
+from .store import ChartStore
 from .subjects import Charted
-from .sweeps import OURS, SWEEPS, Contestant, Sweep
+from .sweeps import SWEEPS, Contestant, Sweep
 from .team import Team
 from .truth import Truth
 from .turns import Timed, take_turns
@@ -36,7 +35,7 @@ class Options:
     turns: int = 3
     limit: float = 120.0  # seconds an answer may take
     patience: float = 30.0  # seconds that all turns of one point may take
-    quiet: bool = False
+    progress: Progress = field(default_factory=Silent)
 
 
 @dataclass(frozen=True)
@@ -56,19 +55,20 @@ def run(subjects: Sequence[Charted], studies: Sequence[Study], options: Options,
         team: Team | None = None) -> Chart:
     """The document of `subjects` and of the growth `studies`. What is finished is kept by content in the folder."""
     start = time.monotonic()
-    store = Store(options.folder, options.turns)
-    progress = Progress(len(subjects) + len(studies), options.quiet)
+    store, progress = ChartStore(options.folder, options.turns), options.progress
+    progress.expect(len(subjects) + len(studies))
     with team or Team(options.limit) as asked:
         charted, grown = [], []
         for subject in subjects:
-            progress.show(subject.scene.name)
+            progress.begin(subject.scene.name)
+            began = time.monotonic()
             charted.append(_Subject(subject, sweeps, options, store, asked).charted())
-            progress.step(label=subject.scene.name)
+            progress.end(subject.scene.name, time.monotonic() - began, charted[-1].state)
         for study in studies:
-            progress.show(study.title)
+            progress.begin(study.title)
+            began = time.monotonic()
             grown.append(measured(study, options.turns, store, asked))
-            progress.step(label=study.title)
-    progress.close()
+            progress.end(study.title, time.monotonic() - began, "ok")
     return Chart(created=datetime.now(UTC).isoformat(timespec="seconds"), seconds=round(time.monotonic() - start, 1),
                  machine=machine(), threads=len(os.sched_getaffinity(0)), turns=options.turns, truth=truths.TOLD,
                  subjects=charted, growths=grown)
@@ -77,10 +77,11 @@ def run(subjects: Sequence[Charted], studies: Sequence[Study], options: Options,
 class _Subject:
     """The measuring of one subject."""
 
-    def __init__(self, subject: Charted, sweeps: Sequence[Sweep], options: Options, store: Store, team: Team):
+    def __init__(self, subject: Charted, sweeps: Sequence[Sweep], options: Options, store: ChartStore, team: Team):
         self.scene, self.kind, self.options, self.store, self.team = subject.scene, subject.kind, options, store, team
         self.sweeps = sweeps
-        self.truth_file = store.path(store.key(self.scene, "truth"), ".npz")
+        self.truth_key = store.key(self.scene, "truth")
+        self.truth_file = store.file(self.truth_key)
 
     def charted(self) -> Subject:
         scene = self.scene
@@ -98,22 +99,21 @@ class _Subject:
                        uncertainty=uncertainty(truth), series=series, findings=findings(series, decisive))
 
     def _truth(self) -> tuple[Truth | None, dict]:
-        answer = {"state": "ok"}
-        for _ in range(2):  # a file that cannot be read is made anew
-            try:
-                return truths.load(self.truth_file), answer
-            except (OSError, ValueError, KeyError, TypeError):
-                answer = self.team.truth(self.scene, self.truth_file)
-                if answer["state"] != "ok":
-                    return None, answer
-        return None, {"state": "malformed", "message": "the truth that was made cannot be read"}
+        arrays, answer = self.store.arrays(self.truth_key), {"state": "ok"}
+        if arrays is None:
+            answer = self.team.truth(self.scene, self.truth_file)
+            if answer["state"] != "ok":
+                return None, answer
+            self.store.keep(self.truth_key, {}, arrays=True)
+            arrays = self.store.arrays(self.truth_key)
+        return truths.of_arrays(arrays), answer
 
     def _series(self, truth: Truth) -> list[Series]:
         entries = {sweep.id: [_Entry(sweep, value, contestant, self._key(contestant))
                               for value, contestant in sweep.contestants(self.options.full)]
                    for sweep in self.sweeps if sweep.is_registered}
         every = [entry for sweep in entries.values() for entry in sweep]
-        points = {entry.key: kept for entry in every if (kept := self.store.find(entry.key, Point))}
+        points = {entry.key: kept for entry in every if (kept := self.store.find(entry.key, Point.model_validate_json))}
         waiting = {entry.key: entry for entry in every if entry.key not in points}
         judged = self._all_judged(waiting, truth)
         timed = take_turns({key: lambda entry=waiting[key]: self.team.timed(
@@ -121,8 +121,7 @@ class _Subject:
             if point.state == "ok"}, self.options.turns, self.options.patience)
         for key, (point, first) in judged.items():
             points[key] = _with_times(point, first, timed[key]) if key in timed else point
-            if points[key].state == "ok":
-                self.store.keep(key, points[key])
+            self.store.keep(key, points[key])
         return [Series(id=sweep.id, method=sweep.method, title=sweep.title, kind=sweep.kind, parameter=sweep.parameter,
                        points=[points[entry.key].model_copy(update={"label": sweep.label(entry.value)})
                                for entry in entries[sweep.id]]
@@ -130,21 +129,16 @@ class _Subject:
 
     def _all_judged(self, waiting: dict[str, _Entry], truth: Truth) -> dict[str, tuple[Point, float]]:
         """All points without times. Ours are judged beside the others: what is not timed may have company."""
-        lanes = [[key for key, entry in waiting.items() if (entry.contestant.process == OURS) == ours]
-                 for ours in (True, False)]
-        judge = lambda lane: [(key, self._judged(waiting[key], truth)) for key in lane]
-        with ThreadPoolExecutor(len(lanes)) as pool:
-            judged = dict(found for lane in pool.map(judge, lanes) for found in lane)
-        return {key: judged[key] for key in waiting}
+        answers = self.team.firsts(self.scene, {key: entry.contestant for key, entry in waiting.items()}, self.truth_file)
+        return {key: self._judged(entry, answers[key], truth) for key, entry in waiting.items()}
 
     def _key(self, contestant: Contestant) -> str:
-        return self.store.key(self.scene, contestant.renderer, contestant.settings, contestant.timed)
+        return self.store.key(self.scene, contestant.settings, contestant.timed, renderer=contestant.renderer)
 
-    def _judged(self, entry: _Entry, truth: Truth) -> tuple[Point, float]:
+    def _judged(self, entry: _Entry, answer: dict, truth: Truth) -> tuple[Point, float]:
         """The point without times, and the wall seconds of its first picture."""
-        file = self.store.path(entry.key, "-planes.npz")
+        file = self.team.planes(entry.key)
         try:
-            answer = self.team.first(entry.key, self.scene, entry.contestant, file, self.truth_file)
             state, message = answer["state"], answer.get("message", "")
             if state == "ok" and (wrong := problem(file, self.scene)):
                 state, message = "malformed", wrong

@@ -5,9 +5,7 @@ A pixel that rounding decides (a silhouette or a shadow's edge runs through its 
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +13,7 @@ from reference_tracer.render import UNDECIDED, render
 from reference_tracer.scene.model import Scene
 from reference_tracer.sensitivity import SAFETY, UNIT, perturbed
 
-from ..metrics import VISIBLE, largest_around
+from ..verdicts.metrics import VISIBLE, largest_around
 
 METHOD = "proof"
 TOLD = "interval arithmetic, outward rounded: what it says of a ray is a proof"
@@ -54,14 +52,6 @@ def make(scene: Scene) -> Truth:
                  np.maximum(color, ROUNDING), np.maximum(SAFETY * np.nan_to_num(t), ROUNDING))
 
 
-def save(truth: Truth, path: Path) -> None:
-    part = path.with_suffix(".part")
-    with part.open("wb") as file:
-        np.savez_compressed(file, **vars(truth))
-    os.replace(part, path)
-
-
-def load(path: Path) -> Truth:
-    with np.load(path) as file:
-        return Truth(**{name: file[name] for name in file.files if name != "undecided"},
-                     undecided=int(file["undecided"]))
+def of_arrays(arrays: dict[str, np.ndarray]) -> Truth:
+    """The truth from the arrays of a file. Raises TypeError."""
+    return Truth(**{**arrays, "undecided": int(arrays["undecided"])})

@@ -1,38 +1,31 @@
-"""The child process that measures: python -m comparisons.charting.worker KERNELS
-
-Kernels are kept in the folder KERNELS, empty at first, so that compiling is measured and not found done.
-"""
+"""What a worker measures. Its kernels are kept in a folder that is empty at first, so that compiling is measured."""
 
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections import OrderedDict
 from pathlib import Path
 
-from ..worker import serve
+from ..execution import store
 
 MOST_KEPT = 64  # competitors whose recordings are kept between their turns
+_kept: OrderedDict[str, object] = OrderedDict()
 
 
-def main(kernels: str) -> None:
-    Path(kernels).mkdir(parents=True, exist_ok=True)
-    os.environ["DRJIT_CACHE_DIR"] = kernels
-    kept: OrderedDict[str, object] = OrderedDict()
-    serve(lambda request: _answer(request, kept))
-
-
-def _answer(request: dict, kept: OrderedDict) -> dict:
+def answer(request: dict) -> dict:
+    """In a worker that lasts: the truth, a first picture, or one turn."""
+    os.environ["DRJIT_CACHE_DIR"] = request["kernels"]  # read when Dr.Jit is imported, below
+    os.makedirs(request["kernels"], exist_ok=True)
     from reference_tracer.scene.load import parse_scene
 
     from . import truth
 
     scene = parse_scene(request["scene"].encode(), "scene")
     if request["do"] == "truth":
-        truth.save(truth.make(scene), Path(request["truth"]))
+        store.save(Path(request["truth"]), **vars(truth.make(scene)))
         return {"state": "ok"}
-    return {"state": "ok", "facts": (_judged if request["do"] == "first" else _timed)(request, scene, kept)}
+    return {"state": "ok", "facts": (_judged if request["do"] == "first" else _timed)(request, scene, _kept)}
 
 
 def _judged(request: dict, scene, kept: OrderedDict) -> dict:
@@ -41,17 +34,15 @@ def _judged(request: dict, scene, kept: OrderedDict) -> dict:
 
     from reference_tracer.image_files import save_npz
 
-    from ..memory import forget_peak, peak_kib
+    from ..execution.machine import forget_peak, peak_kib
 
     dr.flush_malloc_cache()
     forget_peak()
     found = _competitor(request, scene, kept)
     made = found.first()
     peak = max(peak_kib(), made.program_kib)
-    planes = Path(request["planes"])
-    part = planes.with_suffix(".part")
-    save_npz(made.picture, part)
-    os.replace(part, planes)
+    with store.atomically(Path(request["planes"])) as part:
+        save_npz(made.picture, part)
     return {"first": made.cost.wall, "build": made.build, "peak_mib": peak / 1024, "evaluations": found.evaluations(),
             "rays": made.picture.metadata.get("rays")}
 
@@ -81,7 +72,3 @@ def _competitor(request: dict, scene, kept: OrderedDict):
         while len(kept) > MOST_KEPT:
             kept.popitem(last=False)
     return kept[request["id"]]
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

@@ -9,7 +9,7 @@ import numpy as np
 
 from reference_tracer.scene.model import Scene
 
-from ..process import Worker
+from ..execution.pool import Pool
 from ..runs import Request, RunStore
 from .results import MeshTrial
 from .yardstick import Yardstick
@@ -22,18 +22,18 @@ PRECISION = 32  # Mitsuba's
 def ladder(scene: Scene, yardstick: Yardstick, pixels: np.ndarray) -> list[MeshTrial]:
     """Finer and finer meshes, each in a process of its own, until one is as good on `pixels` (h, w, bool), or fails."""
     trials: list[MeshTrial] = []
-    with tempfile.TemporaryDirectory(prefix="raytruth-plan-") as folder, Worker() as worker:
+    with tempfile.TemporaryDirectory(prefix="raytruth-plan-") as folder, Pool(1) as pool:
         store = RunStore(Path(folder))
         for resolution in LADDER:
-            trials.append(_tried(scene, resolution, store, worker, yardstick, pixels))
+            trials.append(_tried(scene, resolution, store, pool, yardstick, pixels))
             if trials[-1].state != "ok" or trials[-1].over == 0:
                 break
     return trials
 
 
-def _tried(scene: Scene, resolution: int, store: RunStore, worker: Worker, yardstick: Yardstick,
+def _tried(scene: Scene, resolution: int, store: RunStore, pool: Pool, yardstick: Yardstick,
            pixels: np.ndarray) -> MeshTrial:
-    run = store.make(Request(scene, "mitsuba-mesh", {"resolution": resolution}), worker, LIMIT)
+    run = store.make(Request(scene, "mitsuba-mesh", {"resolution": resolution}), pool, LIMIT)
     if run.state != "ok":
         return MeshTrial(resolution=resolution, state=run.state, message=run.message)
     change = yardstick.from_truth(store.planes(run, scene)["color"])

@@ -6,15 +6,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from pydantic import Field
-
-from reference_tracer.image_files import to_8_bit
 
 from .. import document
 from ..bench.results import Clock, Seconds, Spread
 from ..document import Record
-from ..machine import machine
+from ..execution.machine import machine
 from ..results import Machine, State
 
 FILE = "plan.json"
@@ -120,6 +117,14 @@ class Plan(Record):
     command: str
 
 
+class Made(Record):
+    """What became of planning a scene; `plan` is there if `state` is "ok"."""
+
+    state: State = "ok"
+    message: str = ""
+    plan: Plan | None = None
+
+
 class Plans(Record):
     """The plans of several scenes."""
 
@@ -138,15 +143,10 @@ def document_of(plans: list[Plan]) -> Plans:
     return Plans(created=datetime.now(UTC).isoformat(timespec="seconds"), machine=machine(), plans=plans)
 
 
-def add(plan: Plan, color: np.ndarray, change: np.ndarray, folder: Path) -> Plan:
-    """Puts `plan` among those in `folder`, in place of an earlier one of the same scene; its planes beside it.
+def add(plan: Plan, folder: Path) -> None:
+    """Puts `plan` among those in `folder`, in place of an earlier one of the same scene.
 
-    `color` is (h, w, 3), `change` (h, w). Raises InputError if the folder holds plans that cannot be read.
+    Raises InputError if the folder holds plans that cannot be read.
     """
     others = [p for p in read(folder).plans if p.scene != plan.scene] if (folder / FILE).exists() else []
-    name = f"{PLANES}/{plan.scene}.npz"
-    (folder / PLANES).mkdir(parents=True, exist_ok=True)
-    np.savez_compressed(folder / name, color=to_8_bit(color), change=change.astype(np.float32))
-    plan = plan.model_copy(update={"planes": name})
     document.write(document_of(sorted([*others, plan], key=lambda p: p.scene)), folder / FILE)
-    return plan

@@ -1,17 +1,16 @@
-"""The child process that renders and judges random scenes: python -m comparisons.random_scenes.worker"""
+"""One random scene rendered and judged, in a worker of the pool."""
 
 from __future__ import annotations
 
 import json
 from random import Random
 
-from ..worker import serve
-
 JUDGED = 16  # pixels of a picture, drawn at random
 
 
-def main() -> None:
-    serve(lambda request: {"state": "ok", "facts": judged(**request)})
+def answer(arguments: dict) -> dict:
+    """What a worker answers to a task."""
+    return {"state": "ok", "facts": judged(**arguments)}
 
 
 def judged(seed: int, method: str) -> dict:
@@ -41,7 +40,3 @@ def judged(seed: int, method: str) -> dict:
             "counts": {"pixels": found.pixels, "hits": found.hits, "undecided_hits": found.undecided_hits,
                        "avoidable_hits": found.avoidable_hits, "rounding": found.rounding,
                        "unsettled": sum(found.unsettled.values())}}
-
-
-if __name__ == "__main__":
-    main()

@@ -17,30 +17,44 @@ from reference_tracer.errors import InputError
 from reference_tracer.render import Picture
 from reference_tracer.scene.model import Scene
 
-LONG = 3.0  # seconds after which a picture is not made a second time for the sake of its time
+from ..execution.code import installed, program
 
 
 @dataclass(frozen=True)
 class Renderer:
-    """`module` is imported only in the process that runs the renderer."""
+    """`module` is imported only in the process that runs the renderer; `program` is what it starts, `package` what it
+    reaches through another one."""
 
     name: str
     title: str
     module: str
     settings: dict = field(default_factory=dict)
+    program: str = ""
+    package: str = ""
+
+    @property
+    def code(self) -> tuple[str, ...]:
+        """The modules that its pictures are made by."""
+        return f"{__name__}.{self.module}", "reference_tracer.image_files"
+
+    @property
+    def content(self) -> list:
+        """What else can change its pictures."""
+        return [self.name, self.settings, self.program and program(self.program), self.package and installed(self.package)]
 
 
 RENDERERS = {r.name: r for r in (
     Renderer("exact", "reference, exact intersections", "reference", {"method": "exact"}),
     Renderer("paper", "reference, the document's literal method", "reference", {"method": "paper"}),
-    Renderer("mitsuba-native", "Mitsuba 3, native shapes", "mitsuba", {"shapes": "native", "resolution": 256}),
+    Renderer("mitsuba-native", "Mitsuba 3, native shapes", "mitsuba",
+             {"shapes": "native", "resolution": 256, "require_native": True}),
     Renderer("mitsuba-mesh", "Mitsuba 3, meshes", "mitsuba", {"shapes": "mesh", "resolution": 256}),
     Renderer("mitsuba-refined", "Mitsuba 3, hits moved onto f", "mitsuba",
              {"shapes": "native", "resolution": 256, "refined": True}),
     Renderer("mitsuba-sdfgrid", "Mitsuba 3, grids", "mitsuba", {"shapes": "sdfgrid", "resolution": 128}),
-    Renderer("embree", "Embree, meshes", "embree", {"resolution": 256}),
-    Renderer("povray", "POV-Ray 3.7, its own primitives", "povray", {"shapes": "native", "accuracy": 1e-8}),
-    Renderer("povray-isosurface", "POV-Ray 3.7, isosurfaces", "povray", {"shapes": "isosurface", "accuracy": 1e-8}),
+    Renderer("embree", "Embree, meshes", "embree", {"resolution": 256}, package="embreex"),
+    Renderer("povray", "POV-Ray 3.7, its own primitives", "povray", {"shapes": "native", "accuracy": 1e-8}, "povray"),
+    Renderer("povray-isosurface", "POV-Ray 3.7, isosurfaces", "povray", {"shapes": "isosurface", "accuracy": 1e-8}, "povray"),
 )}
 
 

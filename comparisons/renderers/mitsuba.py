@@ -14,26 +14,32 @@ import numpy as np
 from converters.mesh import largest
 from converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
 from converters.mitsuba.crossings import OFFSET, Crossings, Hit, spawn
+from converters.mitsuba.shapes import native
 from converters.mitsuba.variant import dr, mi
+from reference_tracer.errors import UnsupportedError
 from reference_tracer.rays import Sides
 from reference_tracer.placement import is_inside
 from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
 
-from . import LONG
+from .reference import LONG
 
 MOST_RAYS = 1 << 19
 
 
 def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: float | None = None,
-           share: float = 1.0, offset: float = OFFSET, refined: bool = False, repeat: bool = True) -> Picture:
+           share: float = 1.0, offset: float = OFFSET, refined: bool = False, repeat: bool = True,
+           require_native: bool = False) -> Picture:
     """The picture of `scene` on Mitsuba's geometry; see `converters.mitsuba.convert` for the options.
 
     `refined` moves hits on meshes onto f; see `converters.mitsuba.refine` for what that leaves to compare.
 
     The metadata keeps apart the seconds to build the scene, to trace it first (kernels are compiled then) and, if
-    that was quick and `repeat`, to trace it again. Raises InputError for impossible meshes.
+    that was quick and `repeat`, to trace it again. Raises InputError for impossible meshes, UnsupportedError where
+    native shapes are required and there are none.
     """
+    if require_native and not any(native(obj, scene) for obj in scene.objects):
+        raise UnsupportedError("not applicable: Mitsuba has no shape for any of these surfaces; meshes are another renderer's")
     converted = convert(scene, shapes, resolution, error, share)
     tracer = _Tracer(scene, converted, offset, refined)
     planes, rays, first, cpu = _timed(tracer)

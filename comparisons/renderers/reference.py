@@ -8,7 +8,7 @@ from reference_tracer.render import UNDECIDED, Picture
 from reference_tracer.render import render as trace
 from reference_tracer.scene.model import Scene
 
-from . import LONG
+LONG = 3.0  # seconds after which a picture is not made a second time for the sake of its time
 
 
 def render(scene: Scene, method: str, step_size: float | None = None, precision: int = 64,

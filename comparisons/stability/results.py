@@ -14,11 +14,13 @@ from pydantic import Field
 
 from .. import document
 from ..document import Record
-from ..results import Machine
+from ..results import Machine, State
 from .outcome import CODE
 
 VERSION = 1
 FILE = "stability.json"
+FOLDER = "stability"
+COMMAND = "raytruth stability"
 
 Kind = Literal["correct", "missed", "false", "wrong root", "diverged", "non-finite", "wrong value", "undecided",
                "too slow"]
@@ -107,7 +109,7 @@ class FamilyRecord(Record):
 class Finding(Record):
     """A method that claims exactness gave wrong answers without saying so, or a law is broken."""
 
-    what: Literal["wrong and not flagged", "law broken"]
+    what: Literal["wrong and not flagged", "law broken", "not measured"]
     family: str
     method: str
     values: list[float] = Field(description="of p, where it happened")
@@ -116,6 +118,15 @@ class Finding(Record):
     sentence: str
     example: dict | None = Field(None, description="a wrong ray: origin o, direction d, side, limit, the numbers f "
                                                    "takes, the exact distance and the one reported")
+
+
+class Examined(Record):
+    """One family and what must not happen in it; `record` is there if `state` is "ok"."""
+
+    state: State = "ok"
+    message: str = ""
+    record: FamilyRecord | None = None
+    findings: list[Finding] = []
 
 
 class Stability(Record):
@@ -137,10 +148,14 @@ class Stability(Record):
         return next(f for f in self.families if f.id == id)
 
 
-def write(stability: Stability, folder: Path) -> Path:
-    return document.write(stability, folder / FILE)
+def keep(stability: Stability, folder: Path, fresh: bool = False) -> Stability:
+    """Writes the document into `folder`, with the other families that are there unless `fresh` or of other rays."""
+    earlier = None if fresh else document.found(folder / FILE, Stability, COMMAND)
+    found = document.joined(earlier, stability, {"families": lambda f: f.id, "findings": lambda f: f.family},
+                            {f.id for f in stability.families} | {f.family for f in stability.findings}, ("rays", "seed"))
+    return document.keep(document.joined(earlier, found, {"methods": lambda m: m.name}), folder / FILE, COMMAND)
 
 
 def read(folder: str | Path) -> Stability:
     """The document in `folder`. Raises InputError in one line."""
-    return document.read(Path(folder) / FILE, Stability, "raytruth stability")
+    return document.read(Path(folder) / FILE, Stability, COMMAND)

@@ -1,123 +1,63 @@
-"""Runs every method on every family, holds rates against laws, and lists what must not happen."""
+"""Examines families in workers, and keeps what is finished by its content."""
 
 from __future__ import annotations
 
 import time
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
+from pathlib import Path
 
-from ..machine import machine
-from ..progress import Progress
-from .family import SEED, Family, Outcome
-from .law import CONFIDENCE, Law, band, curve
+from pydantic import ValidationError
+
+from ..execution import store
+from ..execution.machine import machine
+from ..execution.pool import Pool, Progress, Task, complete
+from ..execution.store import Store
+from .family import SEED, Family
+from .law import CONFIDENCE
 from .methods import METHODS, Method
-from .outcome import KINDS, WRONG
-from .results import FamilyRecord, Finding, LawPoint, LawRecord, MethodRecord, Point, Series, Stability
+from .outcome import KINDS
+from .results import FOLDER, Examined, Finding, MethodRecord, Stability
 
 RAYS = 400
 FEWEST_RAYS, MOST_RAYS = 50, 100_000  # fewer: the bands of the laws say nothing
+SECONDS_PER_FAMILY = 600.0
 
-Outcomes = dict[tuple[Method, int], list[Outcome | None]]
+
+def run(families: Sequence[Family], folder: Path, *, rays: int = RAYS, jobs: int = 2, limit: float = SECONDS_PER_FAMILY,
+        progress: Progress | None = None) -> Stability:
+    """The document of `families` under all methods, with `rays` random rays at every value of a difficulty; writes nothing
+    but what it keeps of families."""
+    start, kept = time.monotonic(), Store(folder, FOLDER)
+    tasks = [Task(store.key(family.about.id, rays, made_by=("comparisons.stability.measure",)), family.about.title,
+                  "comparisons.stability.measure:answer", {"family": family.about.id, "rays": rays}, limit)
+             for family in families]
+    with Pool(jobs, progress) as pool:
+        found = complete(tasks, kept, pool, Examined.model_validate_json, _settled)
+    return document_of(families, [found[task.key] for task in tasks], METHODS, rays, time.monotonic() - start)
 
 
-def run(families: Sequence[Family], methods: Sequence[Method] = METHODS, rays: int = RAYS,
-        quiet: bool = True) -> Stability:
-    """The document of `families` under `methods`, with `rays` random rays at every value of a difficulty."""
-    start = time.monotonic()
-    progress = Progress(len(families), quiet)
+def _settled(task: Task, answer: dict) -> Examined:
+    try:
+        return Examined.model_validate(answer)
+    except ValidationError:
+        return Examined(state="malformed", message="answered something that is no measurement")
+
+
+def document_of(families: Sequence[Family], examined: Iterable[Examined], methods: Sequence[Method], rays: int,
+                seconds: float) -> Stability:
+    """What was examined as a document; a family that could not be is among its findings."""
     records, findings = [], []
-    for family in families:
-        progress.show(family.about.title)
-        record, found = examine(family, methods, rays)
-        records.append(record)
-        findings += found
-        progress.step()
-    progress.close()
+    for family, found in zip(families, examined, strict=True):
+        if found.record is None:
+            findings.append(Finding(what="not measured", family=family.about.id, method="", values=[], rates=[], kinds=[],
+                                    sentence=f"not measured: {found.state}: {found.message}"))
+        else:
+            records.append(found.record)
+            findings += found.findings
     used = {m.name: m for family in families for m in (*methods, *family.variants)}
     return Stability(
-        created=datetime.now(UTC).isoformat(timespec="seconds"), seconds=round(time.monotonic() - start, 3),
-        machine=machine(), seed=SEED, rays=rays, confidence=CONFIDENCE, kinds=KINDS, families=records,
-        findings=findings,
+        created=datetime.now(UTC).isoformat(timespec="seconds"), seconds=round(seconds, 3), machine=machine(), seed=SEED,
+        rays=rays, confidence=CONFIDENCE, kinds=KINDS, families=records, findings=findings,
         methods=[MethodRecord(name=m.name, title=m.title, claims=m.claims, wrong_variant=m.wrong_variant)
                  for m in used.values()])
-
-
-def examine(family: Family, methods: Sequence[Method], rays: int) -> tuple[FamilyRecord, list[Finding]]:
-    """One family: its record, and its findings."""
-    about = family.about
-    outcomes: Outcomes = {}
-    for precision in about.precisions:
-        cases = family.cases(precision, rays)
-        for method in (*methods, *family.variants):
-            result = family.run(cases, method, precision)
-            if result is not None:
-                outcomes[method, precision] = result
-    series = [Series(method=m.name, precision=precision, points=[_point(o) for o in result])
-              for (m, precision), result in outcomes.items()]
-    in_double = {s.method: s for s in series if s.precision == 64}
-    laws = [_held(law, in_double[law.method], about.values) for law in family.laws if law.method in in_double]
-    record = FamilyRecord(id=about.id, title=about.title, parameter=about.parameter, values=list(about.values),
-                          values_single=list(about.single), labels=list(about.labels), when=about.when, why=about.why,
-                          instead=about.instead, series=series, laws=laws)
-    return record, _unflagged(family, outcomes) + _broken_laws(record)
-
-
-def _point(outcome: Outcome | None) -> Point:
-    if outcome is None:
-        return Point(counts={})
-    return Point(counts=outcome.counts, worst_error=outcome.worst_error, evaluations=outcome.evaluations)
-
-
-def _held(law: Law, series: Series, values: Sequence[float]) -> LawRecord:
-    points = []
-    for value, point in zip(values, series.points):
-        expected = law.rate(value)
-        if expected is not None:
-            low, high = band(point.rays, expected)
-            measured = point.rate(*law.kinds)
-            points.append(LawPoint(value=value, expected=expected, low=low, high=high, measured=measured,
-                                   within=low <= measured <= high))
-    return LawRecord(method=law.method, sentence=law.sentence, kinds=list(law.kinds), curve=curve(law, values),
-                     points=points, holds=all(p.within for p in points))
-
-
-def _unflagged(family: Family, outcomes: Outcomes) -> list[Finding]:
-    """Wrong answers of methods that claim exactness, in double precision, where they are theirs to answer for."""
-    about, findings = family.about, []
-    for (method, precision), result in outcomes.items():
-        if precision != 64 or not method.claims or not about.answerable:
-            continue
-        kinds, values, rates, example = Counter(), [], [], None
-        for value, outcome in zip(about.values, result):
-            wrong = {kind: n for kind, n in outcome.counts.items() if kind in WRONG} if outcome else {}
-            if wrong:
-                kinds.update(wrong)
-                values.append(value)
-                rates.append(sum(wrong.values()) / sum(outcome.counts.values()))
-                example = example or outcome.example
-        if values:
-            names = [kind for kind, _ in kinds.most_common()]
-            sentence = (f"{method.name} claims exactness, and up to {max(rates):.1%} of its answers are wrong "
-                        f"({', '.join(names)}) and not flagged, at {_listed(values)}")
-            findings.append(Finding(what="wrong and not flagged", family=about.id, method=method.name, values=values,
-                                    rates=rates, kinds=names, sentence=sentence, example=example))
-    return findings
-
-
-def _broken_laws(record: FamilyRecord) -> list[Finding]:
-    findings = []
-    for law in record.laws:
-        off = [p for p in law.points if not p.within]
-        if off:
-            told = "; ".join(f"{p.measured:.1%} at {p.value:g} in place of {p.expected:.1%} "
-                             f"({p.low:.1%} to {p.high:.1%} in this sample)" for p in off)
-            findings.append(Finding(
-                what="law broken", family=record.id, method=law.method, values=[p.value for p in off],
-                rates=[p.measured for p in off], kinds=law.kinds,
-                sentence=f"{law.method} does not follow its law: {told}"))
-    return findings
-
-
-def _listed(values: list[float]) -> str:
-    return ", ".join(f"{value:g}" for value in values)

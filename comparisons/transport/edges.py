@@ -13,7 +13,7 @@ from reference_tracer.render import UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
 from reference_tracer.sensitivity import ORIGIN_UNITS, SAFETY, perturbed
 
-from ..metrics import VISIBLE, largest_around
+from ..verdicts.metrics import VISIBLE, largest_around
 
 OFFSET = 2 * 9e-5  # relative to max(1, |p|), which is at least half of 1 + |p|
 PROBES = 8

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from ..metrics import VISIBLE, largest_around, pixel_error
+from ..verdicts.metrics import VISIBLE, largest_around, pixel_error
+from ..execution import store
 from ..results import Gate
-from . import monte_carlo
+from . import cases, monte_carlo
 from .case import Case
 from .edges import document_side
 
@@ -34,6 +37,16 @@ class Measured:
     @property
     def holds(self) -> bool:
         return all(gate.holds for gate in self.gates)
+
+
+def answer(arguments: dict) -> dict:
+    """In a worker: measures a case by its id, and writes its pictures."""
+    start, (case,) = time.monotonic(), cases.find([arguments["case"]])
+    measured = measure(case)
+    store.save(Path(arguments["planes"]), document=measured.document, mitsuba=measured.mitsuba, expected=measured.expected,
+               compared=measured.compared)
+    return {"state": "ok", "facts": {"gates": [gate.model_dump() for gate in measured.gates], "metrics": measured.metrics,
+                                     "seconds": round(time.monotonic() - start, 2)}}
 
 
 def measure(case: Case) -> Measured:

@@ -63,9 +63,10 @@ class Transport(Record):
         return [c for c in self.cases if not c.holds and c.state not in ("missing", "refused")]
 
 
-def keep(transport: Transport, folder: Path) -> Transport:
-    """Writes the document into `folder`, unless the same one is there."""
-    return document.keep(transport, folder / FILE, COMMAND)
+def keep(transport: Transport, folder: Path, fresh: bool = False) -> Transport:
+    """Writes the document into `folder`, with the other cases that are there unless `fresh`."""
+    earlier = None if fresh else document.found(folder / FILE, Transport, COMMAND)
+    return document.keep(document.joined(earlier, transport, {"cases": lambda c: c.id}), folder / FILE, COMMAND)
 
 
 def read(folder: str | Path) -> Transport:

@@ -98,8 +98,10 @@ def _lines(history, color) -> list[str]:
 
 def _all_faults(arguments) -> int:
     from comparisons.attribution.table import wrong_on_purpose
+    from comparisons.progress import Cases
 
-    table = wrong_on_purpose(arguments.results, jobs=arguments.jobs)
+    with Cases() as progress:
+        table = wrong_on_purpose(arguments.results, jobs=arguments.jobs, progress=progress)
     if arguments.json:
         print(table.model_dump_json(indent=1))
     else:

@@ -94,7 +94,7 @@ def _run_random(arguments) -> int:
                 _tell_failure(answer, grammar.draw(answer.seed).scene, arguments)
             bar.step()
     except KeyboardInterrupt:
-        done = sum(t.scenes for t in totals.values())
+        done = max(sum(t.scenes for t in totals.values()) - arguments.jobs, 0)  # those under way are made again
         bar.close()
         print(f"stopped after {done} scenes; go on with --random {arguments.random - done} --seed {arguments.seed + done}")
     bar.close()

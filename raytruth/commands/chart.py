@@ -31,12 +31,14 @@ def add_arguments(parser):
                         help="time limit of one run (default 30; with --full 120)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for chart.json (default: results, if nothing was chosen)")
+    parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
     parser.add_argument("--json", action="store_true", help="print the document")
 
 
 def run(arguments) -> int:
     from comparisons.charting import results, subjects, suite
     from comparisons.charting.growth import find
+    from comparisons.progress import Cases
     from reference_tracer.errors import InputError
 
     limit = arguments.limit if arguments.limit is not None else 120.0 if arguments.full else 30.0
@@ -48,10 +50,11 @@ def run(arguments) -> int:
         if arguments.scene or not arguments.growth else []
     folder = arguments.results or Path("results")
     require_folder(folder)
-    options = suite.Options(folder, arguments.full, arguments.turns, limit, patience=30.0 if arguments.full else 0.5)
-    chart = suite.run(charted, studies, options)
+    with Cases() as progress:
+        chart = suite.run(charted, studies, suite.Options(folder, arguments.full, arguments.turns, limit,
+                                                          patience=30.0 if arguments.full else 0.5, progress=progress))
     if arguments.results or not (arguments.scene or arguments.growth):
-        chart = results.keep(chart, folder)
+        results.keep(chart, folder, arguments.fresh)
         print(f"written to {folder / results.FILE}", file=sys.stderr)
     if arguments.json:
         print(chart.model_dump_json(indent=1))

@@ -7,7 +7,7 @@ examples:
 
 Every pair of renderers is compared as well; a renderer that the majority contradicts on a scene is the odd one out.
 Each renderer works in a process of its own, under a time limit: a crash costs its own cases. Finished work is kept in
-the results folder and reused; an interrupted run resumes. The exit code is 1 if anything differs or failed.
+the results folder and reused; an interrupted run resumes. Results accumulate: what they say of other scenes stays. The exit code is 1 if anything differs or failed.
 """
 
 from __future__ import annotations
@@ -28,12 +28,14 @@ def add_arguments(parser):
     parser.add_argument("--limit", metavar="SECONDS", type=number(0.1, 1e6), default=300.0, help="time limit of one run (default 300)")
     parser.add_argument("--jobs", metavar="N", type=whole(1, 1024), default=2, help="runs made at the same time (default 2)")
     parser.add_argument("--no-studies", action="store_true", help="leave out the sweeps of resolution and step size")
+    parser.add_argument("--fresh", action="store_true", help="drop what the results say of other scenes and renderers")
     parser.add_argument("--json", action="store_true", help="print the results document")
 
 
 def run(arguments) -> int:
     from comparisons import renderers
     from comparisons.agreement import records
+    from comparisons.progress import Cases
     from comparisons.results import BROKEN
     from comparisons.suite import COMPARED, Options, compare
     from reference_tracer.errors import InputError
@@ -47,14 +49,17 @@ def run(arguments) -> int:
     if twice := [name for name, count in names.items() if count > 1]:
         raise InputError(f"two scenes are named {twice[0]!r}; give each its own \"name\"")
     require_folder(arguments.results)
-    results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
-                                      limit=arguments.limit, jobs=arguments.jobs, with_studies=not arguments.no_studies))
+    with Cases() as progress:
+        results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
+                                          limit=arguments.limit, jobs=arguments.jobs, progress=progress,
+                                          with_studies=not arguments.no_studies, fresh=arguments.fresh))
     matrix = records.read(arguments.results)
     if arguments.json:
         print(results.model_dump_json(indent=1))
     else:
         _tell(results, matrix, arguments.results)
-    odd = any(not d.expected for d in matrix.dissent)
+    here = {scene.name for scene in scenes}
+    odd = any(not d.expected for d in matrix.dissent if d.scene in here)
     broken = any(run.state in BROKEN for run in results.runs) or any(not s.holds for s in results.series)
     return 1 if broken or odd or any(c.verdict == "differs" for c in results.comparisons) else 0
 
@@ -65,8 +70,8 @@ def _tell(results, matrix, folder) -> None:
         print(f"{c.verdict:<13} {c.id:<45} {c.reason}")
     for s in results.series:
         print(f"{'holds' if s.holds else 'fails':<13} {s.id:<45} slopes {s.slope}")
-    for d in matrix.dissent:
-        print(f"{'odd one out' if len(d.renderers) == 1 else 'split':<13} {d.scene:<45} {d.sentence}")
+    for d in (d for d in matrix.dissent if d.scene in {scene.name for scene in results.scenes}):
+        print(f"{'split' if d.split else 'expected' if d.expected else 'odd one out':<13} {d.scene:<45} {d.sentence}")
     for t in matrix.tightness:
         print(f"{t.verdict:<13} {t.tolerance + ', ' + t.gate:<45} {t.worse}: {t.worse_share:.3g} of the limit; "
               f"usual: {t.share:.3g}")

@@ -38,36 +38,33 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.planning import planner, results
+    from comparisons.planning import results, suite
     from comparisons.planning.text import told
-    from comparisons.progress import Progress
+    from comparisons.progress import Cases
 
     scenes = _scenes(arguments)
     folder = arguments.results or (None if arguments.scene else Path("results"))
     if folder is not None and (folder / results.FILE).exists():
         results.read(folder)  # before the work, not after it
-    plans, bar = [], Progress(len(scenes))
-    for k, scene in enumerate(scenes):
-        def show(stage: str, share: float, done=k, name=scene.name):
-            bar.label = f"{name}: {stage}"
-            bar.to(done + share)
-        planned = planner.plan(scene, arguments.tolerance, limit=arguments.limit, with_mesh=arguments.with_mesh,
-                               progress=show)
-        plan = planned.plan
-        if folder is not None:
-            plan = results.add(plan, planned.color, planned.change, folder)
-        plans.append(plan)
-        if not arguments.json:
-            bar.close()
-            print(told(plan), end="\n\n", flush=True)
-    bar.close()
-    if arguments.output:
+    plans, lost = [], 0
+    with Cases() as progress:
+        for scene, made in zip(scenes, suite.run(scenes, arguments.tolerance, folder, limit=arguments.limit,
+                                                 with_mesh=arguments.with_mesh, progress=progress)):
+            progress.close()
+            if made.plan is None:
+                lost += 1
+                print(f"raytruth: {scene.name}: not planned: {made.state}: {made.message}", file=sys.stderr)
+                continue
+            plans.append(made.plan)
+            if not arguments.json:
+                print(told(made.plan), end="\n\n", flush=True)
+    if arguments.output and plans:
         _write(plans[0].planned, arguments.output)
     if arguments.json:
         print(results.document_of(plans).model_dump_json(indent=1))
     elif len(plans) > 1:
         print(_summary(plans))
-    return 0 if all(plan.proof.holds for plan in plans) else 1
+    return 0 if not lost and all(plan.proof.holds for plan in plans) else 1
 
 
 def _scenes(arguments):

@@ -22,12 +22,16 @@ def add_arguments(parser):
     parser.add_argument("--family", action="append", default=[], metavar="NAME",
                         help="run this family only (repeatable)")
     parser.add_argument("--rays", type=whole(1), default=400, metavar="N", help="rays at every value of p (default 400)")
+    parser.add_argument("--jobs", type=whole(1, 1024), default=2, metavar="N",
+                        help="families examined at the same time (default 2)")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for stability.json (default: results, if every family is run)")
+    parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
     parser.add_argument("--json", action="store_true", help="print the document")
 
 
 def run(arguments) -> int:
+    from comparisons.progress import Cases
     from comparisons.stability import families, results, suite
     from reference_tracer.errors import InputError
 
@@ -36,9 +40,10 @@ def run(arguments) -> int:
     chosen = families.find(arguments.family)
     folder = arguments.results or (None if arguments.family else Path("results"))
     require_folder(folder)
-    document = suite.run(chosen, rays=arguments.rays, quiet=False)
+    with Cases() as progress:
+        document = suite.run(chosen, folder or Path("results"), rays=arguments.rays, jobs=arguments.jobs, progress=progress)
     if folder is not None:
-        results.write(document, folder)
+        results.keep(document, folder, arguments.fresh)
     if arguments.json:
         print(document.model_dump_json(indent=1))
     else:

@@ -26,18 +26,21 @@ def add_arguments(parser):
     parser.add_argument("--limit", type=number(0.1, 1e6), default=120.0, metavar="SECONDS",
                         help="time limit of a case (default 120)")
     parser.add_argument("--jobs", type=whole(1, 1024), default=2, metavar="N", help="cases measured at the same time (default 2)")
+    parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
     parser.add_argument("--json", action="store_true", help="print the document")
 
 
 def run(arguments) -> int:
+    from comparisons.progress import Cases
     from comparisons.transport import cases, results, suite
 
     chosen = cases.find(arguments.case)
     folder = arguments.results or Path("results")
     require_folder(folder)
-    document = suite.run(chosen, folder, limit=arguments.limit, jobs=arguments.jobs)
+    with Cases() as progress:
+        document = suite.run(chosen, folder, limit=arguments.limit, jobs=arguments.jobs, progress=progress)
     if arguments.results or not arguments.case:
-        document = results.keep(document, folder)
+        results.keep(document, folder, arguments.fresh)
         print(f"written to {folder / results.FILE}", file=sys.stderr)
     if arguments.json:
         print(document.model_dump_json(indent=1))

@@ -120,7 +120,8 @@ def _bytes(way: str) -> bytes:
 
 
 if __name__ == "__main__":
-    from comparisons import renderers, worker
+    from comparisons import renderers
+    from comparisons.execution import worker
 
     sys.modules["comparisons.renderers.misbehaving"] = sys.modules["__main__"]
     for known in (*WAYS, "dim"):

@@ -5,24 +5,28 @@ import sys
 import pytest
 
 from comparisons import suite
-from comparisons.attribution import made, table, wrong
+from comparisons.attribution import table, wrong
 from comparisons.attribution.made import Task, make_all
+from comparisons.execution import pool
+from comparisons.execution.pool import Pool
 from comparisons.results import Gate
 from reference_tracer.scene import library
 
 SCENE = library.scene("effect-mixing").resized(40, 30)
-CRASH = [sys.executable, "-c", "import os, sys; sys.stdin.readline(); os.abort()"]
+CRASH = (sys.executable, "-c", "import os, sys; sys.stdin.readline(); os.abort()")
 
 
 def test_a_fault_is_found_and_named_in_a_child_and_made_once(tmp_path, monkeypatch):
     wrong_one, right_one = Task(SCENE, "exact", fault="no-1-minus-r"), Task(SCENE, "exact", fault="")
-    answers = make_all([wrong_one, right_one], tmp_path, jobs=1, quiet=True)
+    with Pool(1) as made:
+        answers = make_all([wrong_one, right_one], tmp_path, made)
     assert answers[wrong_one].judged.found and answers[wrong_one].judged.attribution.stage == "mixing"
     assert not answers[right_one].judged.found and answers[right_one].judged.attribution.stage is None
 
-    monkeypatch.setattr(made, "COMMAND", CRASH)  # nothing is left to be made; what is new crashes alone
+    monkeypatch.setattr(pool, "COMMAND", CRASH)  # nothing is left to be made; what is new crashes alone
     other = Task(SCENE, "exact", fault="shadow-once")
-    again = make_all([wrong_one, other], tmp_path, jobs=1, quiet=True)
+    with Pool(1) as made:
+        again = make_all([wrong_one, other], tmp_path, made)
     assert again[wrong_one] == answers[wrong_one]
     assert again[other].state == "crashed" and again[other].judged is None
 
@@ -34,9 +38,9 @@ def test_every_difference_is_another_task():
 
 
 def test_the_table_lists_every_fault_and_the_right_tracer_on_every_effect(tmp_path, monkeypatch):
-    monkeypatch.setattr(made, "COMMAND", CRASH)
+    monkeypatch.setattr(pool, "COMMAND", CRASH)
     monkeypatch.setattr(table, "JUDGES", ("exact", "no-such-renderer"))
-    written = table.wrong_on_purpose(tmp_path, jobs=2, quiet=True)
+    written = table.wrong_on_purpose(tmp_path, jobs=2)
     assert table.read(tmp_path) == written
     assert [row.id for row in written.rows] == [*wrong.FAULTS, *["right"] * len(library.effects())]
     assert [j.renderer for row in written.rows for j in row.judgements] == ["exact"] * len(written.rows)
@@ -46,7 +50,7 @@ def test_the_table_lists_every_fault_and_the_right_tracer_on_every_effect(tmp_pa
 def test_a_comparison_that_differs_is_told_where(tmp_path, monkeypatch):
     broken = Gate(name="color p99", value=1.0, limit=0.0, holds=False, means="any limit")
     monkeypatch.setattr(suite, "judge", lambda *_: ("differs", "a limit nobody can keep", [broken]))
-    options = suite.Options(tmp_path, renderers=("mitsuba-native",), with_studies=False, quiet=True)
+    options = suite.Options(tmp_path, renderers=("mitsuba-native",), with_studies=False)
     comparison, = suite.compare([SCENE], options).comparisons
     assert comparison.verdict == "differs"
     assert comparison.attribution.stage is None and "No stage diverges" in comparison.attribution.sentence

@@ -11,7 +11,7 @@ from comparisons.bench.__main__ import main
 from comparisons.bench.options import Options
 from comparisons.bench.results import Bench, Row
 from comparisons.bench.timing import Contestant, Cost, Measured, judged, row, take_turns
-from comparisons.machine import machine
+from comparisons.execution.machine import machine
 from reference_tracer.errors import InputError
 from reference_tracer.scene import library
 

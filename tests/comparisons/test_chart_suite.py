@@ -5,14 +5,13 @@ import sys
 
 import numpy as np
 import pytest
+from workers import exit_code
 
 from comparisons.charting import results, suite
 from comparisons.charting.growth import REFERENCE_SAMPLES, Study, studies
 from comparisons.charting.subjects import Charted, chosen
 from comparisons.charting.sweeps import SWEEPS, Sweep
-from comparisons.charting.team import Team
-from comparisons.process import Worker
-from raytruth.cli import main
+from comparisons.execution import pool
 from reference_tracer.errors import InputError
 from reference_tracer.scene.load import parse_scene
 
@@ -29,21 +28,23 @@ ABSENT = Sweep("absent", "absent", "absent", "converter", "renderer-of-tomorrow"
 SWEPT = (PAPER, CHOSEN["exact"], CHOSEN["interval"], ABSENT, CHOSEN["crude"], CHOSEN["oracle"])
 
 CRASHING = """
-import os, signal, sys
-from comparisons.charting import measuring, worker
+import os, signal
+from comparisons.charting import measuring
+from comparisons.execution import worker
 ours = measuring.Ours.first
 def first(self):
     if self.method == "interval":
         os.kill(os.getpid(), signal.SIGSEGV)
     return ours(self)
 measuring.Ours.first = first
-worker.main(sys.argv[1])
+worker.main()
 """
 NOBODY = "raise SystemExit('nobody may be asked')"
 
 
-def team(program: str) -> Team:
-    return Team(60.0, start=lambda kernels: Worker([sys.executable, "-c", program, str(kernels)]))
+@pytest.fixture
+def nobody(monkeypatch):
+    monkeypatch.setattr(pool, "COMMAND", (sys.executable, "-c", NOBODY))
 
 
 @pytest.fixture(scope="module")
@@ -51,8 +52,11 @@ def charted(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     study = Study("samples", "Samples", "samples", (1, 16), lambda n: SCENE.resized(16, 12, samples=round(n**0.5)),
                   "error", (("exact", {"method": "exact"}),))
-    options = suite.Options(folder, turns=2, quiet=True)
-    return folder, options, study, suite.run([BALL], [study], options, SWEPT, team(CRASHING))
+    options = suite.Options(folder, turns=2, limit=60.0)
+    with pytest.MonkeyPatch.context() as patch:
+        # Dr.Jit must not be imported before it is told where to keep kernels
+        patch.setattr(pool, "COMMAND", (sys.executable, "-c", CRASHING))
+        return folder, options, study, suite.run([BALL], [study], options, SWEPT)
 
 
 def points(chart, id):
@@ -97,14 +101,14 @@ def test_the_error_of_samples_falls(charted):
     assert "16 times the samples" in growth.finding
 
 
-def test_what_is_finished_is_not_measured_again(charted):
+def test_what_is_finished_is_not_measured_again(charted, nobody):
     folder, options, study, chart = charted
-    again = suite.run([BALL], [study], options, SWEPT[:2] + SWEPT[3:], team(NOBODY))
+    again = suite.run([BALL], [study], options, SWEPT[:2] + SWEPT[3:])
     assert again.subjects[0].series == [s for s in chart.subjects[0].series if s.id != "interval"]
     assert again.growths == chart.growths
-    other = suite.run([BALL], [], options, [CHOSEN["interval"]], team(NOBODY))  # a crash is not kept
+    other = suite.run([BALL], [], options, [CHOSEN["interval"]])  # a crash is not kept
     assert other.subjects[0].series[0].points[0].state == "crashed"
-    assert not list((folder / results.FOLDER).glob("*-planes*"))
+    assert all(file.with_suffix(".json").exists() for file in (folder / results.FOLDER).iterdir())
 
 
 def test_the_document_survives_writing(charted, tmp_path):
@@ -113,8 +117,8 @@ def test_the_document_survives_writing(charted, tmp_path):
     assert results.read(tmp_path) == chart
 
 
-def test_a_scene_without_truth_costs_that_scene_alone(tmp_path):
-    chart = suite.run([BALL], [], suite.Options(tmp_path, quiet=True), [CHOSEN["exact"]], team(NOBODY))
+def test_a_scene_without_truth_costs_that_scene_alone(tmp_path, nobody):
+    chart = suite.run([BALL], [], suite.Options(tmp_path, limit=60.0), [CHOSEN["exact"]])
     subject, = chart.subjects
     assert subject.state == "crashed" and "nobody may be asked" in subject.message and subject.series == []
     assert chart.faults
@@ -144,7 +148,7 @@ def test_subjects_by_default_and_all_of_them():
     (["chart", "--size", "1x1"], "--size")])
 def test_bad_input_is_one_sentence(arguments, told, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(arguments) == 2
+    assert exit_code(*arguments) == 2
     said = capsys.readouterr().err.strip()
     assert told in said and "\n" not in said
     assert not list(tmp_path.iterdir())

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from comparisons import metrics
+from comparisons.verdicts import metrics
 from comparisons.renderers import embree, mitsuba
 from converters.embree import Crossings, Solid, convert
 from converters.embree.crossings import Start
@@ -152,7 +152,7 @@ def pictures():
 
 
 def measured(a, b):
-    planes = [{**{name: getattr(p, name) for name in ("color", "t", "position", "normal", "index")},
+    planes = [{**{name: getattr(p, name) for name in ("color", "t", "position", "status", "normal", "index")},
                "camera": np.array(p.scene.camera.position)} for p in (a, b)]
     return {**metrics.geometry(*planes), **metrics.picture(*planes)}
 

@@ -1,12 +1,16 @@
 """A gate that cannot be fooled: small faults that whole-image scores forgive must fail it, rounding must pass it."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 
-from comparisons import metrics
-from comparisons.gate import MESH, NATIVE, judge, unmeasured
-from comparisons.metrics import GRAZING
 from comparisons.results import Run
+from comparisons.verdicts import metrics, tolerances
+from comparisons.verdicts.judge import judge
+from comparisons.verdicts.metrics import GRAZING
+from comparisons.verdicts.tolerances import MESH, NATIVE, unmeasured
+from reference_tracer.render import UNDECIDED
 
 SIDE = 64
 
@@ -121,6 +125,34 @@ def test_normals_are_compared_by_angle(planes):
     measured = metrics.geometry(planes, changed(planes, normal=planes["normal"] @ turn.T))
     # a turn by 1 degree moves normals by at most 1 degree, by exactly that where they are square to the axis
     assert measured["normal max degrees"] == pytest.approx(1.0, rel=1e-3)
+
+
+def test_nothing_measured_where_something_should_have_been_does_not_hold(planes):
+    measured = {**metrics.geometry(planes, planes), **metrics.picture(planes, planes)}
+    assert judge(measured, NATIVE)[0] == "agrees"
+    for name in ("depth p99", "color p99", "failing pixels"):
+        verdict_, reason, _ = judge({**measured, name: None}, NATIVE)
+        assert verdict_ == "differs" and f"{name} is nothing" in reason
+    assert judge({**measured, "depth p99": None, "interior hit pixels": 0}, NATIVE)[0] == "agrees"  # nothing is hit
+
+
+def test_a_truth_that_leaves_too_much_open_judges_nobody(planes):
+    status = planes["status"].copy()
+    status[20:24] = UNDECIDED  # four rows of 64 pixels: more than a quarter of a side
+    assert broken({**planes, "status": status}, planes) == {"undecided pixels"}
+    status[21:24] = planes["status"][21:24]
+    status[20, 16:] = planes["status"][20, 16:]
+    assert verdict({**planes, "status": status}, planes)[0] == "agrees"
+
+
+def test_every_limit_says_where_it_comes_from():
+    limits = list(tolerances.table())
+    assert len({limit.name for limit in limits}) == len(limits) >= 30
+    numbers = {value for tolerance in vars(tolerances).values() if isinstance(tolerance, tolerances.Tolerance)
+               for value in astuple(tolerance)[2:]}
+    assert numbers | {tolerances.ON_EDGES, tolerances.REPEATED, tolerances.ANALYTICAL, tolerances.NUMERICAL} == {
+        limit.value for limit in limits}
+    assert all(limit.unit and limit.by for limit in limits)
 
 
 @pytest.mark.parametrize("facts, proves", [({}, True), ({"measured_mesh_error": 0.0}, True),

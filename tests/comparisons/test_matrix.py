@@ -1,17 +1,18 @@
 """All pairs of real runs: the odd one out is named, absences are told, what was measured is kept."""
 
 import json
-import sys
-from pathlib import Path
 
 import pytest
+from workers import MISBEHAVING
 
-from comparisons import metrics, renderers, suite
+from comparisons import renderers, suite
 from comparisons.agreement import records, tightness
-from comparisons.gate import DOUBLE, MESH, NATIVE, TRACERS, Tolerance, between
-from comparisons.process import Worker
+from comparisons.verdicts.tolerances import DOUBLE, MESH, NATIVE, TRACERS, Tolerance, between
+from comparisons.execution import pool
+from comparisons.execution.pool import Silent
 from comparisons.results import Run
 from comparisons.runs import Request
+from comparisons.verdicts.pairs import Measured
 from reference_tracer.errors import InputError
 from reference_tracer.scene.load import parse_scene
 
@@ -20,7 +21,6 @@ SCENE = parse_scene(json.dumps({
     "objects": [{"surface": {"type": "sphere", "center": [0, 0, 3], "r": 1}}],
     "lights": [{"position": [2, 2, 0]}], "tracing": {"step_size": 0.005}}).encode())  # nothing is missed
 NAMES = ("paper", "embree", "dim", "segfault")
-COMMAND = [sys.executable, str(Path(__file__).with_name("misbehaving.py"))]
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def folder(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for way in ("dim", "segfault"):
             patch.setitem(renderers.RENDERERS, way, renderers.Renderer(way, way, "misbehaving", {"way": way}))
-        patch.setattr(suite, "Worker", lambda: Worker(COMMAND))
+        patch.setattr(pool, "COMMAND", MISBEHAVING)
         found = tmp_path_factory.mktemp("results")
         suite.compare([SCENE], suite.Options(found, NAMES, with_studies=False))
         yield found
@@ -55,7 +55,7 @@ def test_every_pair_is_there_and_the_wrong_renderer_is_named(compared):
 
 
 def test_what_was_measured_is_not_measured_again(folder, monkeypatch):
-    monkeypatch.setattr(metrics, "differences", lambda *_: pytest.fail("measured again"))
+    monkeypatch.setattr(Silent, "end", lambda _, label, *rest: label == "segfault: ball" or pytest.fail(f"again: {label}"))
     before = (folder / records.FILE).read_bytes()
     suite.compare([SCENE], suite.Options(folder, NAMES, with_studies=False))
     assert (folder / records.FILE).read_bytes() == before
@@ -83,25 +83,29 @@ def test_pairs_are_held_to_the_sum_of_their_tolerances():
         assert between(mesh, other).depth_p99 == 2 * MESH.depth_p99
 
 
-class Store:
-    """Stands where finished runs are; nothing is read from it."""
+class Numbers:
+    """Stands where measurements are: every metric is 0, one of them of the worse run `worse`."""
+
+    def __init__(self, worse):
+        self.worse = worse
+
+    def of(self, pair):
+        zero = {"pixels": 1000, "interior hit pixels": 100, "undecided pixels": 0, "not finite": 0, "interior mismatches": 0, "object mismatches": 0, "depth p99": 0.0,
+                "color p99": 1e-4, "failing pixels": 0, "clustered failing pixels": 0}
+        return Measured(metrics={**zero, "color p99": self.worse} if pair.second.settings["resolution"] == 128 else zero)
 
 
 @pytest.mark.parametrize("worse, verdict", [(2e-3, "tight"), (5e-4, "loose")])
 def test_a_limit_is_tight_if_something_worse_exceeds_it(monkeypatch, worse, verdict):
-    zero = {"pixels": 1000, "not finite": 0, "interior mismatches": 0, "object mismatches": 0, "depth p99": 0.0,
-            "color p99": 1e-4, "failing pixels": 0, "clustered failing pixels": 0}
     limit = Tolerance("meshes", "", 1.0, 1e-3, 0.0, 0.5, 0.5)
     monkeypatch.setattr(tightness, "between", lambda *_: limit)
     monkeypatch.setattr(tightness, "HELD", (tightness.Held(limit, "mitsuba-mesh", (tightness.COARSE,)),))
-    monkeypatch.setattr(tightness, "measured", lambda pictures, base, test, store: {
-        **zero, "color p99": worse} if test.settings["resolution"] == 128 else zero)
     names = ("mitsuba-mesh",)
     wanted = {r.key: r for r in [*(Request(SCENE, n) for n in ("exact", *names)), *tightness.requests([SCENE], names)]}
     runs = {key: run(r.renderer, 10, r.settings.get("resolution", 256)) for key, r in wanted.items()}
-    rows = {row.gate: row for row in tightness.tightness([SCENE], names, runs, Store())}
+    rows = {row.gate: row for row in tightness.tightness([SCENE], names, runs, Numbers(worse))}
     assert rows["color p99"].verdict == verdict and rows["color p99"].worse_share == pytest.approx(worse / 1e-3)
     assert rows["color p99"].share == pytest.approx(0.1)
-    assert rows["failing pixels"].verdict == "tight"  # a limit of zero cannot be tighter
+    assert rows["failing pixels"].verdict == "loose"  # a limit of zero that nothing worse exceeds proves nothing
     assert rows["object mismatches"].verdict == "loose"
     assert rows["color p99"].command.startswith("raytruth render ball --with mitsuba-mesh --set resolution=128")

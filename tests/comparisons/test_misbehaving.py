@@ -11,9 +11,12 @@ from pathlib import Path
 
 import pytest
 from misbehaving import WAYS
+from workers import MISBEHAVING, interruptible
 
-from comparisons import renderers, suite
-from comparisons.process import Worker
+from comparisons import renderers
+from comparisons.execution import pool
+from comparisons.execution.pool import Pool
+from comparisons.execution.process import Worker
 from comparisons.runs import Request, RunStore
 from raytruth.cli import main
 from reference_tracer.scene.load import parse_scene
@@ -22,7 +25,6 @@ SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},
     "objects": [{"surface": {"type": "sphere", "center": [0, 0, 3], "r": 1}}],
     "lights": [{"position": [2, 2, 0]}]}).encode())
-COMMAND = [sys.executable, str(Path(__file__).with_name("misbehaving.py"))]
 SOON = 4.0  # seconds: enough to start a worker
 
 
@@ -48,18 +50,20 @@ def wait_until_gone(processes) -> bool:
     return not any(map(alive, processes))
 
 
-def test_every_fault_is_named_and_nothing_is_left_behind(registered, tmp_path):
+def test_every_fault_is_named_and_nothing_is_left_behind(registered, tmp_path, monkeypatch):
+    monkeypatch.setattr(pool, "COMMAND", MISBEHAVING)
     store, found, children = RunStore(tmp_path), {}, []
-    with Worker(COMMAND) as worker:  # one after the other in the same worker: a fault must not touch the next case
+    with Pool(1, lasting=True) as made:  # one after the other in the same worker: a fault must not touch the next case
+        monkeypatch.setattr(Request, "process", "all of them")
         for way in WAYS:
             note = tmp_path / f"{way}.txt"
             settings = {"note": str(note)} if "child" in way or "disk" in way else {}
             limit = 60 if WAYS[way][0] != "timeout" else SOON if "child" in way else 1
-            run = store.make(Request(SCENE, way, settings), worker, limit)
+            run = store.make(Request(SCENE, way, settings), made, limit)
             found[way] = run
             if "child" in way:
                 children += map(int, note.read_text().split())
-        assert store.make(Request(SCENE, "exact"), worker, 60).state == "ok"
+        assert store.make(Request(SCENE, "exact"), made, 60).state == "ok"
     for way, (state, word) in WAYS.items():
         assert found[way].state == state and word in found[way].message, (way, found[way])
         assert len(found[way].message) <= 600 and found[way].planes is None
@@ -69,7 +73,7 @@ def test_every_fault_is_named_and_nothing_is_left_behind(registered, tmp_path):
 
 
 def test_the_suite_ends_and_its_exit_code_says_so(registered, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(suite, "Worker", lambda: Worker(COMMAND))
+    monkeypatch.setattr(pool, "COMMAND", MISBEHAVING)
     scene = tmp_path / "ball.json"
     scene.write_text(SCENE.model_dump_json(by_alias=True, exclude={"schema_"}))
     common = ["compare", str(scene), "--results", str(tmp_path / "results"), "--no-studies", "--limit", "20"]
@@ -87,16 +91,18 @@ def test_an_interrupted_suite_leaves_at_once_and_takes_its_renderers_along(tmp_p
 import sys
 sys.path.insert(0, {str(Path(__file__).parent)!r})
 from misbehaving import WAYS
-from test_misbehaving import COMMAND, SCENE
+from test_misbehaving import SCENE
+from workers import MISBEHAVING
 from pathlib import Path
 from comparisons import renderers, suite
-from comparisons.process import Worker
+from comparisons.execution import pool
 renderers.RENDERERS["hang with a child"] = renderers.Renderer(
     "hang with a child", "", "misbehaving", {{"way": "hang with a child"}})
-suite.Worker = lambda: Worker(COMMAND)
+pool.COMMAND = MISBEHAVING
 suite.compare([SCENE], suite.Options(Path({str(tmp_path)!r}), renderers=("hang with a child",), with_studies=False))
 """
-    process = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, env={**os.environ, "NOTE": str(note)})
+    process = subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, env={**os.environ, "NOTE": str(note)},
+                               preexec_fn=interruptible)
     patience = time.monotonic() + 30
     while not (note.exists() and len(note.read_text().split()) == 2) and time.monotonic() < patience:
         time.sleep(0.05)
@@ -108,7 +114,7 @@ suite.compare([SCENE], suite.Options(Path({str(tmp_path)!r}), renderers=("hang w
 
 def test_a_suite_that_is_killed_takes_its_renderers_along(tmp_path):
     # a worker whose parent is gone has nobody to answer to, even while a renderer never returns
-    program = "import sys, subprocess, time; p = subprocess.Popen([sys.executable, '-m', 'comparisons.worker'], " \
+    program = "import sys, subprocess, time; p = subprocess.Popen([sys.executable, '-m', 'comparisons.execution.worker'], " \
               "stdin=subprocess.PIPE, process_group=0); print(p.pid, p.stdin.fileno(), flush=True); time.sleep(60)"
     parent = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE)
     worker, pipe = map(int, parent.stdout.readline().split())
@@ -150,11 +156,12 @@ def test_a_second_answer_is_not_taken_for_the_next_request():
 
 
 @pytest.mark.parametrize("facts", ["{\"first\": \"soon\"}", "{\"list\": [1]}", "[1]", "\"fast\""])
-def test_facts_that_are_none_cost_their_own_case(tmp_path, facts):
+def test_facts_that_are_none_cost_their_own_case(tmp_path, monkeypatch, facts):
     program = f"""
 import json, sys
-from comparisons.worker import _answer
+from comparisons.execution.worker import answer
 for line in sys.stdin:
-    print(json.dumps({{**_answer(json.loads(line)), "facts": {facts}}}), flush=True)"""
-    with Worker([sys.executable, "-c", program]) as worker:
-        assert RunStore(tmp_path).make(Request(SCENE, "exact"), worker, 60).state == "malformed"
+    print(json.dumps({{**answer(json.loads(line)), "facts": {facts}}}), flush=True)"""
+    monkeypatch.setattr(pool, "COMMAND", (sys.executable, "-c", program))
+    with Pool(1) as made:
+        assert RunStore(tmp_path).make(Request(SCENE, "exact"), made, 60).state == "malformed"

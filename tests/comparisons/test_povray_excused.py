@@ -5,9 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from comparisons import excused as module
-from comparisons.excused import excused
-from comparisons.gate import excuses
+from comparisons.verdicts import conditioning as module
+from comparisons.execution.store import Store
+from comparisons.verdicts.conditioning import excused
+from comparisons.verdicts.judge import excuses
 from reference_tracer.render import HIT, UNDECIDED, render
 from reference_tracer.scene.load import parse_scene
 
@@ -30,7 +31,7 @@ def asked(monkeypatch):
     """Counts how often the map is measured; it says that rounding moves the pixel (5, 7) by 0.1."""
     bound, calls = np.zeros((36, 48)), []
     bound[5, 7] = 0.1
-    monkeypatch.setattr(module, "_bound", lambda *_: calls.append(1) or bound)
+    monkeypatch.setattr(module, "bound", lambda *_: calls.append(1) or bound)
     return calls
 
 
@@ -41,7 +42,7 @@ def changed(truth, row, col, by):
 
 
 def measured(truth, test, tmp_path):
-    return excused(SCENE, truth, test, LIMIT, 64, tmp_path, 60)
+    return excused(SCENE, truth, test, LIMIT, 64, Store(tmp_path, module.FOLDER))
 
 
 def test_nothing_is_measured_where_all_pixels_are_within_the_limit(truth, asked, tmp_path):
@@ -78,9 +79,14 @@ def test_many_excused_pixels_are_no_excuse():
     assert [excuses({**metrics, "excused pixels": n}, LIMIT)[1].holds for n in (107, 200)] == [True, False]
 
 
-def test_the_map_is_measured_in_a_process_of_its_own_and_kept(truth, tmp_path, monkeypatch):
+def test_the_map_is_measured_once_and_made_again_where_it_is_truncated(truth, tmp_path, monkeypatch):
     """The ball's silhouette hangs on rounding, the middle of the ball does not."""
-    found = module._bound(SCENE, 32, tmp_path, 120)
+    kept = Store(tmp_path, module.FOLDER)
+    found = module.bound(SCENE, 32, kept)
     assert found.shape == (36, 48) and found[18, 24] < 1e-4
-    monkeypatch.setattr(module, "Worker", None)  # a second one would fail
-    assert (module._bound(SCENE, 32, tmp_path, 120) == found).all()
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "sensitivity", None)  # measuring once more would fail
+        assert (module.bound(SCENE, 32, kept) == found).all()
+    file, = kept.folder.glob("*.npz")
+    file.write_bytes(file.read_bytes()[:-100])
+    assert (module.bound(SCENE, 32, kept) == found).all() and kept.arrays(file.stem) is not None

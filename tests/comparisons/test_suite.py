@@ -1,15 +1,18 @@
 """The suite: a renderer that crashes, hangs or writes garbage costs its own cases; finished work is reused."""
 
+import dataclasses
 import json
 import os
 import sys
 import textwrap
 
-import numpy as np
 import pytest
+from workers import child
 
 from comparisons import renderers, suite
-from comparisons.process import Worker
+from comparisons.execution import pool
+from comparisons.execution.pool import Pool
+from comparisons.execution.process import Worker
 from comparisons.results import read
 from comparisons.runs import Request, RunStore
 from reference_tracer.errors import InputError
@@ -19,12 +22,6 @@ SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},
     "objects": [{"surface": {"type": "sphere", "center": [0, 0, 3], "r": 1}}],
     "lights": [{"position": [2, 2, 0]}]}).encode())
-
-
-def child(body: str) -> Worker:
-    """A worker that runs `body` for each line of its input."""
-    program = "import json, os, signal, sys, time\nfor line in sys.stdin:\n" + textwrap.indent(textwrap.dedent(body), "    ")
-    return Worker([sys.executable, "-u", "-c", program])
 
 
 @pytest.mark.parametrize("body, state, word", [
@@ -38,55 +35,64 @@ def child(body: str) -> Worker:
     ("print(json.dumps({'state': 'splendid'}))", "malformed", "splendid"),
 ])
 def test_a_broken_worker_is_named_by_its_fault(body, state, word):
-    with child(body) as worker:
+    with Worker(child(body)) as worker:
         answer = worker.ask({}, limit=0.6 if state == "timeout" else 20)
     assert answer["state"] == state and word in answer["message"]
 
 
 def test_a_worker_is_replaced_after_its_crash():
-    with child("""
-        request = json.loads(line)
+    with Worker(child("""
         if request["crash"]:
             os.kill(os.getpid(), signal.SIGSEGV)
         print(json.dumps({"state": "ok"}))
-        """) as worker:
+        """)) as worker:
         assert worker.ask({"crash": False}, 20)["state"] == "ok"
         assert worker.ask({"crash": True}, 20)["state"] == "crashed"
         assert worker.ask({"crash": False}, 20)["state"] == "ok"
 
 
 def test_an_endless_answer_is_cut_off():
-    with child("while True: sys.stdout.write('x' * 65536)") as worker:
+    with Worker(child("while True: sys.stdout.write('x' * 65536)")) as worker:
         assert worker.ask({}, limit=20)["state"] == "crashed"
 
 
 @pytest.mark.parametrize("write, word", [
-    ("open(request['planes'], 'wb').write(b'rubbish')", "cannot be read"),
+    ("open(arguments['planes'], 'wb').write(b'rubbish')", "cannot be read"),
     ("pass", "left no planes"),
-    ("np.savez(open(request['planes'], 'wb'), **{k: np.zeros((2, 2, 3)) for k in names}, metadata='{}')", "2 x 2"),
+    ("np.savez(open(arguments['planes'], 'wb'), **{k: np.zeros((2, 2, 3)) for k in names}, metadata='{}')", "2 x 2"),
 ])
-def test_planes_that_are_not_the_picture_are_malformed(tmp_path, write, word):
-    with child(f"""
-        import numpy as np
+def test_planes_that_are_not_the_picture_are_malformed(tmp_path, monkeypatch, write, word):
+    monkeypatch.setattr(pool, "COMMAND", child(f"""
         names = ("color", "t", "position", "normal", "index", "depth", "status")
-        request = json.loads(line)
         {write}
         print(json.dumps({{"state": "ok", "facts": {{}}}}))
-        """) as worker:
-        run = RunStore(tmp_path).make(Request(SCENE, "exact"), worker, 20)
+        """))
+    with Pool(1) as made:
+        run = RunStore(tmp_path).make(Request(SCENE, "exact"), made, 20)
     assert run.state == "malformed" and word in run.message and run.planes is None
 
 
+class Asked(pool.Silent):
+    """Notes every case that a worker is asked for."""
+
+    def __init__(self):
+        self.labels = []
+
+    def end(self, label, seconds, state):
+        self.labels.append(label)
+
+
 def test_a_crash_costs_its_own_case_and_the_rest_is_kept(tmp_path, monkeypatch):
+    sound = pool.COMMAND
     # the renderer "paper" dies like a fatal kernel does: without a chance to say anything
-    monkeypatch.setattr(suite, "Worker", lambda: Worker([sys.executable, "-c", textwrap.dedent("""
-        import json, os, sys
-        from comparisons import worker
-        answer = worker._answer
-        worker._answer = lambda request: os.abort() if request["renderer"] == "paper" else answer(request)
+    monkeypatch.setattr(pool, "COMMAND", (sys.executable, "-c", textwrap.dedent("""
+        import os
+        from comparisons.execution import worker
+        answer = worker.answer
+        worker.answer = lambda request: os.abort() if request["arguments"].get("renderer") == "paper" else answer(request)
         worker.main()
-        """)]))
-    options = suite.Options(tmp_path, renderers=("paper", "mitsuba-native"), with_studies=False, quiet=True)
+        """)))
+    options = suite.Options(tmp_path, renderers=("paper", "mitsuba-native"), with_studies=False)
     results = suite.compare([SCENE], options)
     verdicts = {c.id: c.verdict for c in results.comparisons}
     assert verdicts == {"ball--paper": "not compared", "ball--mitsuba-native": "agrees"}
@@ -94,20 +100,18 @@ def test_a_crash_costs_its_own_case_and_the_rest_is_kept(tmp_path, monkeypatch):
     assert read(tmp_path) == results
 
     # with a sound worker the suite resumes: it makes what is missing and nothing else
-    monkeypatch.setattr(suite, "Worker", Worker)
-    asked = []
-    make = RunStore.make
-    monkeypatch.setattr(RunStore, "make", lambda store, request, *rest: asked.append(request.renderer) or make(
-        store, request, *rest))
+    monkeypatch.setattr(pool, "COMMAND", sound)
+    asked = Asked()
+    options = dataclasses.replace(options, progress=asked)
     results = suite.compare([SCENE], options)
-    assert asked == ["paper"]
+    assert sorted(asked.labels) == ["exact and paper: ball", "paper and mitsuba-native: ball", "paper: ball"]
     assert all(c.verdict != "not compared" for c in results.comparisons)
 
     # and an unchanged suite makes nothing and leaves the document alone
     before = os.stat(tmp_path / "results.json").st_mtime_ns
-    asked.clear()
-    assert suite.compare([SCENE], options) == results
-    assert not asked and os.stat(tmp_path / "results.json").st_mtime_ns == before
+    asked.labels.clear()
+    assert suite.compare([SCENE], options).comparisons == results.comparisons
+    assert not asked.labels and os.stat(tmp_path / "results.json").st_mtime_ns == before
 
 
 def test_every_change_of_scene_or_settings_is_another_run():
@@ -118,17 +122,14 @@ def test_every_change_of_scene_or_settings_is_another_run():
     assert Request(SCENE.model_copy(update={"title": "other words"}), "exact").key == one.key
 
 
+def test_native_shapes_of_a_scene_without_any_are_not_applicable(tmp_path):
+    torus = json.loads(SCENE.model_dump_json(by_alias=True, exclude_none=True))
+    torus["objects"][0]["surface"] = {"type": "torus", "center": [0, 0, 3], "R": 1, "r": 0.3}
+    options = suite.Options(tmp_path, renderers=("mitsuba-native",), with_studies=False)
+    comparison, = suite.compare([parse_scene(json.dumps(torus).encode())], options).comparisons
+    assert comparison.verdict == "not compared" and "not applicable" in comparison.reason
+
+
 def test_an_unknown_renderer_is_one_sentence():
     with pytest.raises(InputError, match="unknown renderer 'blender'; choose one of exact"):
         renderers.find("blender")
-
-
-def test_the_literal_method_is_reported_not_judged(tmp_path):
-    # steps of 0.9 miss silhouettes of a unit sphere: the verdict is "expected", with the number of pixels
-    scene = SCENE.traced_with(step_size=0.9).resized(96, 64)
-    options = suite.Options(tmp_path, renderers=("paper",), with_studies=False, quiet=True)
-    comparison, = suite.compare([scene], options).comparisons
-    store = RunStore(tmp_path)
-    truth, test = (store.planes(store.finished(Request(scene, name)), scene) for name in ("exact", "paper"))
-    wrong = int(np.sum(truth["index"] != test["index"]))
-    assert wrong > 0 and comparison.verdict == "expected" and f"{wrong} pixels" in comparison.reason

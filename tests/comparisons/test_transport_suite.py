@@ -1,12 +1,13 @@
 """The transport suite: judging Monte Carlo, child processes, kept cases, the document, the command, the page."""
 
 import json
-import sys
 import textwrap
 
 import numpy as np
 import pytest
+from workers import child, exit_code
 
+from comparisons.execution import pool
 from comparisons.transport import cases, monte_carlo, results, suite
 from converters.mitsuba.radiance import Radiance
 from raytruth.cli import main
@@ -17,17 +18,10 @@ GATES = [{"name": "color p99", "value": 1e-6, "limit": 2e-5, "holds": True, "mea
 METRICS = {"mean difference from the document": 0.1, "largest difference from the document": 0.2}
 
 
-def child(body: str) -> tuple[str, ...]:
-    """The command of a worker that runs `body` for each request."""
-    program = ("import json, os, signal, sys, time\nimport numpy as np\n"
-               "for line in sys.stdin:\n    request = json.loads(line)\n")
-    return sys.executable, "-u", "-c", program + textwrap.indent(textwrap.dedent(body), "    ")
-
-
 GOOD = f"""
-np.savez(request["planes"], document=np.zeros((4, 6, 3)), mitsuba=np.zeros((4, 6, 3)), expected=np.zeros((4, 6, 3)),
+np.savez(arguments["planes"], document=np.zeros((4, 6, 3)), mitsuba=np.zeros((4, 6, 3)), expected=np.zeros((4, 6, 3)),
          compared=np.ones((4, 6), bool))
-print(json.dumps({{"state": "ok", "facts": {{"gates": {GATES!r}, "metrics": {METRICS!r}}}}}))
+print(json.dumps({{"state": "ok", "facts": {{"gates": {GATES!r}, "metrics": {METRICS!r}, "seconds": 0.5}}}}))
 """
 
 
@@ -82,16 +76,23 @@ def test_slopes():
 
 
 # --- child processes -------------------------------------------------------------------------------------------------
-def test_a_crash_costs_its_own_case_and_finished_ones_are_kept(tmp_path):
-    crash = 'if request["case"] == "diffuse":\n    os.abort()\n' + textwrap.dedent(GOOD)
-    document = suite.run(CHOSEN, tmp_path, jobs=1, quiet=True, command=child(crash))
+@pytest.fixture
+def workers(monkeypatch):
+    """Lets programs of these bodies stand where workers are."""
+    return lambda body: monkeypatch.setattr(pool, "COMMAND", child(body))
+
+
+def test_a_crash_costs_its_own_case_and_finished_ones_are_kept(tmp_path, workers):
+    crash = 'if arguments["case"] == "diffuse":\n    os.abort()\n' + textwrap.dedent(GOOD)
+    workers(crash)
+    document = suite.run(CHOSEN, tmp_path, jobs=1)
     states = [(c.id, c.state, c.holds) for c in document.cases]
     assert states == [("diffuse", "crashed", False), ("mirror-blend", "ok", True)]
     assert "SIGABRT" in document.cases[0].reason and [c.id for c in document.failed] == ["diffuse"]
     # what is finished is not asked for again, what crashed is
     asked = tmp_path / "asked"
-    noting = child(f"open({str(asked)!r}, 'a').write(request['case'])\n" + textwrap.dedent(GOOD))
-    again = suite.run(CHOSEN, tmp_path, jobs=1, quiet=True, command=noting)
+    workers(f"open({str(asked)!r}, 'a').write(arguments['case'])\n" + textwrap.dedent(GOOD))
+    again = suite.run(CHOSEN, tmp_path, jobs=1)
     assert asked.read_text() == "diffuse" and not again.failed and again.cases[1] == document.cases[1]
 
 
@@ -99,20 +100,22 @@ def test_a_crash_costs_its_own_case_and_finished_ones_are_kept(tmp_path):
     ("time.sleep(60)", "timeout"), ("print('GARBAGE')", "malformed"),
     ('print(json.dumps({"state": "ok", "facts": {"gates": [{"name": 3}], "metrics": {}}}))', "malformed"),
     ('print(json.dumps({"state": "ok", "facts": {}}))', "malformed")])
-def test_a_case_that_is_not_measured_does_not_hold(tmp_path, body, state):
-    limit = 0.8 if state == "timeout" else 20
-    record, = suite.run(CHOSEN[:1], tmp_path, limit=limit, quiet=True, command=child(body)).cases
+def test_a_case_that_is_not_measured_does_not_hold(tmp_path, workers, body, state):
+    workers(body)
+    record, = suite.run(CHOSEN[:1], tmp_path, limit=0.8 if state == "timeout" else 20).cases
     assert record.state == state and not record.holds and record.planes is None
 
 
-def test_a_broken_gate_is_told(tmp_path):
+def test_a_broken_gate_is_told(tmp_path, workers):
     broken = GOOD.replace("1e-06", "0.5").replace("'holds': True", "'holds': False")
-    document = suite.run(CHOSEN[:1], tmp_path, quiet=True, command=child(broken))
+    workers(broken)
+    document = suite.run(CHOSEN[:1], tmp_path)
     assert document.failed and "color p99 is 0.5" in document.cases[0].reason
 
 
-def test_the_document_comes_back_and_is_not_written_twice(tmp_path):
-    document = suite.run(CHOSEN, tmp_path, quiet=True, command=child(GOOD))
+def test_the_document_comes_back_and_is_not_written_twice(tmp_path, workers):
+    workers(GOOD)
+    document = suite.run(CHOSEN, tmp_path)
     results.keep(document, tmp_path)
     later = document.model_copy(update={"created": "later", "seconds": 9})
     assert results.read(tmp_path) == document == results.keep(later, tmp_path)
@@ -129,10 +132,10 @@ def test_the_command_measures_a_case_and_says_so_in_one_line(tmp_path, capsys):
     assert results.read(tmp_path).cases[0].metrics["pixels compared"] == 320 * 240
 
 
-def test_the_commands_exit_codes(tmp_path, capsys, monkeypatch):
+def test_the_commands_exit_codes(tmp_path, capsys, workers):
     assert main(["transport", "caustics"]) == 2
     assert "unknown case 'caustics'; choose one of diffuse" in capsys.readouterr().err
-    assert main(["transport", "--jobs", "0"]) == 2
-    monkeypatch.setattr(suite.run, "__kwdefaults__", {**suite.run.__kwdefaults__, "command": child("os.abort()")})
+    assert exit_code("transport", "--jobs", "0") == 2
+    workers("os.abort()")
     assert main(["transport", "mirror", "-o", str(tmp_path), "--json"]) == 1
     assert json.loads(capsys.readouterr().out)["cases"][0]["state"] == "crashed"

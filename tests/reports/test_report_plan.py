@@ -7,9 +7,11 @@ import pytest
 from report_support import HOSTILE
 
 from comparisons.bench.results import Seconds, Spread
+from comparisons.execution import store
 from comparisons.planning import results
 from comparisons.planning.results import DecisionRecord, MeshTrial, Plan, Proof, Ratio, Saved, Trial
 from reference_tracer.errors import InputError
+from reference_tracer.image_files import to_8_bit
 from reports.assemble import build
 
 WIDTH, HEIGHT = 8, 6
@@ -37,8 +39,10 @@ def make_plan(scene: str, holds: bool = True) -> Plan:
 def page(folder, tmp_path):
     color, change = np.full((HEIGHT, WIDTH, 3), 0.5), np.zeros((HEIGHT, WIDTH))
     change[2, 3] = np.nan
-    results.add(make_plan("ball"), color, change, folder)
-    results.add(make_plan("other", holds=False), color, change, folder)
+    for name, holds in (("ball", True), ("other", False)):
+        plan = make_plan(name, holds).model_copy(update={"planes": f"{results.PLANES}/{name}.npz"})
+        store.save(folder / plan.planes, color=to_8_bit(color), change=change)
+        results.add(plan, folder)
     (folder / results.PLANES / "other.npz").write_bytes(b"nothing")  # costs its own pictures only
     build(folder, tmp_path / "html")
     return tmp_path / "html" / "plan.html"

@@ -132,7 +132,7 @@ def test_the_page_is_there_only_with_its_document(folder, tmp_path):
     assert not any("stability.html" in page.read_text() for page in html.rglob("*.html"))
     finding = Finding(what="law broken", family="nobody", method="steps", values=[0.1], rates=[1.0], kinds=["missed"],
                       sentence=f"steps breaks it {HOSTILE}", example={"o": [0, 1, 2]})
-    documents.write(document(family(steps=STEPS, shy=SHY, laws=[law()]), findings=[finding]), folder)
+    documents.keep(document(family(steps=STEPS, shy=SHY, laws=[law()]), findings=[finding]), folder)
     reports.build(folder, html)
     page = (html / "stability.html").read_text(encoding="utf-8")
     assert page.index("steps breaks it") < page.index("Family grazing")  # findings first

@@ -5,8 +5,9 @@ import dataclasses
 import pytest
 from broken_methods import FREE_NEWTON, SKIPS_ROOTS, WRONG_SIDE
 
-from comparisons.stability import families, suite
+from comparisons.stability import families
 from comparisons.stability.law import Law
+from comparisons.stability.measure import examine
 from comparisons.stability.methods import METHODS
 
 EXACT = next(m for m in METHODS if m.name == "exact")
@@ -14,8 +15,10 @@ PAPER = METHODS[0]
 
 
 def _findings(names, methods, rays=400):
-    document = suite.run(families.find(names), methods, rays)
-    return document, [f for f in document.findings if f.what == "wrong and not flagged"]
+    """The records by family, and what is wrong and not flagged."""
+    examined = [examine(family, methods, rays) for family in families.find(names)]
+    return ({e.record.id: e.record for e in examined},
+            [f for e in examined for f in e.findings if f.what == "wrong and not flagged"])
 
 
 @pytest.mark.parametrize("method, names, kind", [
@@ -34,8 +37,8 @@ def test_a_broken_method_is_found_and_named(method, names, kind):
 
 def test_one_root_in_fifty_is_enough_to_be_found():
     """2 % of 400 rays are 8; none of them escapes, and nothing else is blamed on the method."""
-    document, findings = _findings(["camera-distance"], [EXACT, SKIPS_ROOTS])
-    every = document.family("camera-distance").series
+    records, findings = _findings(["camera-distance"], [EXACT, SKIPS_ROOTS])
+    every = records["camera-distance"].series
     series = next(s for s in every if (s.method, s.precision) == ("skips roots", 64))
     assert all(set(p.counts) <= {"correct", "missed"} for p in series.points)
     assert 0.002 < sum(findings[0].rates) / len(findings[0].rates) < 0.06
@@ -49,8 +52,8 @@ def test_the_wrong_side_does_no_harm_to_camera_rays():
 
 def test_answers_flagged_undecided_are_no_finding():
     """A proof may decline: on f = q^2 it declines on every ray, which is no wrong answer."""
-    document, findings = _findings(["even-root"], METHODS, rays=100)
-    proof = next(s for s in document.family("even-root").series if s.method == "proof")
+    records, findings = _findings(["even-root"], METHODS, rays=100)
+    proof = next(s for s in records["even-root"].series if s.method == "proof")
     assert findings == [] and all(p.rate("undecided") == 1 for p in proof.points)
 
 
@@ -61,7 +64,8 @@ def test_answers_flagged_undecided_are_no_finding():
 def test_a_wrong_law_is_broken(name, wrong_rate):
     family, = families.find([name])
     told = dataclasses.replace(family, laws=(Law("paper", "a wrong law", wrong_rate),))
-    record, findings = suite.examine(told, [PAPER], rays=400)
+    found = examine(told, [PAPER], rays=400)
+    record, findings = found.record, found.findings
     assert not record.laws[0].holds
     assert [f.method for f in findings] == ["paper"] and findings[0].what == "law broken"
     assert set(findings[0].values) <= set(record.values)
@@ -72,8 +76,8 @@ def test_a_method_with_another_step_breaks_the_laws_of_the_stated_one():
     coarse = dataclasses.replace(PAPER, build=lambda s: PAPER.build(dataclasses.replace(s, step=s.step * 2)))
     for name in ("grazing", "small-ball", "thin-shell", "steep"):
         family, = families.find([name])
-        assert all(law.holds for law in suite.examine(family, [PAPER], 400)[0].laws)
-        assert not all(law.holds for law in suite.examine(family, [coarse], 400)[0].laws)
+        assert all(law.holds for law in examine(family, [PAPER], 400).record.laws)
+        assert not all(law.holds for law in examine(family, [coarse], 400).record.laws)
 
 
 def test_methods_that_claim_exactness_are_not_wrong_unflagged_on_hard_roots():

@@ -2,9 +2,11 @@
 
 import argparse
 import json
+import sys
 
 import pytest
 
+from comparisons.execution import pool
 from comparisons.stability import families, results, suite
 from comparisons.stability.families import FAMILIES
 from comparisons.stability.methods import METHODS
@@ -16,8 +18,8 @@ RAYS = 60
 
 
 @pytest.fixture(scope="module")
-def document():
-    return suite.run(families.find(FEW), rays=RAYS)
+def document(tmp_path_factory):
+    return suite.run(families.find(FEW), tmp_path_factory.mktemp("results"), rays=RAYS)
 
 
 def test_every_ray_is_counted(document):
@@ -43,7 +45,7 @@ def test_every_method_runs_where_it_applies(document):
 
 
 def test_the_document_survives_a_file(document, tmp_path):
-    results.write(document, tmp_path)
+    results.keep(document, tmp_path)
     assert (tmp_path / "stability.json").exists() and not list(tmp_path.glob("*.part"))
     again = results.read(tmp_path)
     # compared as text: NaN, which examples may hold, is not equal to itself
@@ -51,9 +53,9 @@ def test_the_document_survives_a_file(document, tmp_path):
     assert again.family("grazing").laws[0].points == document.family("grazing").laws[0].points
 
 
-def test_the_same_rays_every_time(document):
+def test_the_same_rays_every_time(document, tmp_path):
     """Alone or among others, a family gives the same counts: nothing hangs on the order of the generator's use."""
-    alone = suite.run(families.find(["secondary-rays"]), rays=RAYS).family("secondary-rays")
+    alone = suite.run(families.find(["secondary-rays"]), tmp_path, rays=RAYS).family("secondary-rays")
     assert alone == document.family("secondary-rays")
 
 
@@ -105,23 +107,32 @@ def test_the_command_tells_and_writes(tmp_path, capsys):
     assert any("refraction as printed: non-finite 100%" in line for line in lines)
 
 
-def test_the_command_prints_json(capsys):
+def test_the_command_prints_json(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     assert _run("--family", "horizon", "--rays", "60", "--json") == 0
     assert json.loads(capsys.readouterr().out)["families"][0]["id"] == "horizon"
 
 
-def test_findings_set_the_exit_code(capsys, monkeypatch):
-    """A law that says the literal method never fails is broken by it: exit code 1, and the family is named."""
-    import dataclasses
+WRONG_LAW = """
+import dataclasses
+from comparisons.execution import worker
+from comparisons.execution import pool
+from comparisons.stability import families
+from comparisons.stability.law import Law
+family, = families.find(["horizon"])
+families.find = lambda names: [dataclasses.replace(family, laws=(Law("paper", "never", lambda p: 0.0),))]
+worker.main()
+"""
 
-    from comparisons.stability.law import Law
 
-    family, = families.find(["horizon"])
-    monkeypatch.setattr(families, "find", lambda names: [
-        dataclasses.replace(family, laws=(Law("paper", "never", lambda p: 0.0),))])
+@pytest.mark.parametrize("program, told", [
+    (WRONG_LAW, "LAW BROKEN: horizon: paper"), ("import os; os.abort()", "NOT MEASURED: horizon: not measured: crashed")])
+def test_findings_set_the_exit_code(capsys, monkeypatch, tmp_path, program, told):
+    """A law that says the literal method never fails is broken by it; a crash is a finding: exit code 1, both are told."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(pool, "COMMAND", (sys.executable, "-c", program))
     assert _run("--family", "horizon", "--rays", "60") == 1
-    out = capsys.readouterr().out
-    assert "BROKEN" in out and "LAW BROKEN: horizon: paper" in out
+    assert told in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("argv, complaint", [(["--family", "cubes"], "no family is called 'cubes'"),

@@ -14,6 +14,11 @@ def all_cases() -> tuple:
     return tuple(case for file in FILES for case in import_module(f"{__name__}.{file}").CASES)
 
 
+def module_of(case) -> str:
+    """The module that holds a case."""
+    return next(name for file in FILES if case in import_module(name := f"{__name__}.{file}").CASES)
+
+
 def find(ids) -> tuple:
     """The cases called `ids`; all, if there are none. Raises InputError."""
     known = {case.id: case for case in all_cases()}

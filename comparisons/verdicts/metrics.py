@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from reference_tracer.render import UNDECIDED
+
 VISIBLE = 1 / 255  # one step of an 8-bit picture
 GRAZING = 0.2  # cosine between ray and normal below which a pixel belongs to a silhouette
 NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
@@ -25,7 +27,7 @@ def interior(planes: Planes) -> np.ndarray:
         ray = position - planes["camera"]
         cosine = np.abs(np.sum(ray * normal, axis=-1)) / np.linalg.norm(ray, axis=-1)
         steep = ~(cosine <= GRAZING) | (index < 0)
-    return _everywhere_around(steep) & uniform_around(index)
+    return everywhere_around(steep) & uniform_around(index)
 
 
 def _shifted(plane: np.ndarray):
@@ -40,7 +42,7 @@ def largest_around(plane: np.ndarray) -> np.ndarray:
     return np.maximum.reduce(list(_shifted(plane)))
 
 
-def _everywhere_around(mask: np.ndarray) -> np.ndarray:
+def everywhere_around(mask: np.ndarray) -> np.ndarray:
     return np.logical_and.reduce(list(_shifted(mask)))
 
 
@@ -64,7 +66,8 @@ def geometry(reference: Planes, test: Planes, inner: np.ndarray | None = None) -
     chord = np.linalg.norm(test["normal"][both] - reference["normal"][both], axis=-1)
     angle = np.degrees(2 * np.arcsin(np.clip(chord / 2, 0, 1)))
     return {"pixels": int(inner.size), "interior pixels": int(inner.sum()),
-            "hit pixels": int(hit_reference.sum()),
+            "hit pixels": int(hit_reference.sum()), "interior hit pixels": int((inner & hit_reference).sum()),
+            "undecided pixels": int((reference["status"] == UNDECIDED).sum()),
             "hit/miss mismatches": int((hit_reference != hit_test).sum()),
             "object mismatches": int((~same).sum()),
             "interior mismatches": int((inner & ~same).sum()),
@@ -90,7 +93,7 @@ def differences(reference: Planes, test: Planes) -> dict[str, float | int | None
     return {"not finite": int((~finite).sum()),
             "color max": _maximum(error[finite]), "color p99": _quantile(error[finite], 0.99),
             "color mean": float(error[finite].mean()) if finite.any() else None,
-            "failing pixels": int(failing.sum()), "clustered failing pixels": int(_everywhere_around(failing).sum()),
+            "failing pixels": int(failing.sum()), "clustered failing pixels": int(everywhere_around(failing).sum()),
             "MSE": mse, "PSNR": None if not mse else float(-10 * np.log10(mse))}
 
 

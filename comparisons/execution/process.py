@@ -11,33 +11,33 @@ import os
 import selectors
 import signal
 import subprocess
-import sys
 import time
+from collections.abc import Callable
 
 LONGEST_ANSWER = 1 << 20  # bytes
 LAST_WORDS = 4096  # bytes kept of what a worker says on stderr
 LONGEST_MESSAGE = 500  # characters
 PIECE = 1 << 16
-STATES = ("ok", "crashed", "refused", "missing")
+STATES = ("ok", "crashed", "refused", "missing", "unwritable")
 
 
 class Worker:
-    """One renderer's child process, started when first asked and replaced after a crash or a timeout."""
+    """A child process, started when first asked and replaced after a crash or a timeout."""
 
-    def __init__(self, command: list[str] | None = None):
-        self.command = command or [sys.executable, "-m", "comparisons.worker"]
+    def __init__(self, command: list[str], environment: dict[str, str] | None = None):
+        self.command, self.environment = command, environment
         self._process: subprocess.Popen | None = None
         self._said = b""
         self._stopped = False
 
-    def ask(self, request: dict, limit: float) -> dict:
+    def ask(self, request: dict, limit: float, told: Callable[[str, float], None] = lambda label, share: None) -> dict:
         """The worker's answer; or {"state": "crashed" | "timeout" | "malformed", "message": ...}, never an exception.
 
-        `limit` is in seconds.
+        `limit` is in seconds. `told` is called with what the worker says of its progress.
         """
         try:
             self._start()
-            line = self._exchange(json.dumps(request).encode() + b"\n", limit)
+            line = self._exchange(json.dumps(request).encode() + b"\n", limit, told)
         except TimeoutError:
             self.close()
             return {"state": "timeout", "message": f"gave no answer within {limit:g} s"}
@@ -84,7 +84,7 @@ class Worker:
         self.close()
         self._said = b""
         self._process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                         stderr=subprocess.PIPE, bufsize=0, process_group=0)
+                                         stderr=subprocess.PIPE, bufsize=0, process_group=0, env=self.environment)
         for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
             os.set_blocking(pipe.fileno(), False)
         if self._stopped:
@@ -106,7 +106,7 @@ class Worker:
         """Whether the process has ended. It is not reaped: its id stays taken, so that its group can still be killed."""
         return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
 
-    def _exchange(self, request: bytes, limit: float) -> bytes:
+    def _exchange(self, request: bytes, limit: float, told: Callable[[str, float], None]) -> bytes:
         """Sends `request`; the line that comes back, or what there is of it when the process ended or closed its output.
 
         Both ways piecewise: a worker that reads nothing, or whose line never ends, must time out too. What it says on
@@ -128,8 +128,8 @@ class Worker:
                     selector.unregister(process.stderr)
                 if process.stdout in ready:
                     piece = os.read(process.stdout.fileno(), PIECE)
-                    line += piece
-                    if not piece or b"\n" in piece or len(line) > LONGEST_ANSWER:
+                    line = _after_progress(line + piece, told)
+                    if not piece or b"\n" in line or len(line) > LONGEST_ANSWER:
                         return line
                 elif ended:  # a child of it may hold the pipe open
                     return line
@@ -165,6 +165,16 @@ class Worker:
             how = f"ended with exit code {process.returncode}"
         said = [words for line in _text(self._said).splitlines() if (words := line.strip())]
         return f"the renderer's process {how}" + (f"; its last words: {said[-1][:300]}" if said else "")
+
+
+def _after_progress(said: bytes, told: Callable[[str, float], None]) -> bytes:
+    """What is left of `said` after the lines that tell of progress."""
+    while said.startswith(b'{"share"') and b"\n" in said:
+        line, said = said.split(b"\n", 1)
+        with contextlib.suppress(ValueError, KeyError, TypeError):
+            progress = json.loads(line)
+            told(str(progress["label"])[:LONGEST_MESSAGE], float(progress["share"]))
+    return said
 
 
 def _text(piece: bytes) -> str:

@@ -1,11 +1,28 @@
-"""From numbers to a verdict. A picture agrees when every gate holds; no score of the whole image can stand in for one."""
+"""Every limit that decides a verdict: its value, its unit, and where it comes from.
+
+A derived limit follows from a formula; a measured one is what a command shows, with room to the next worse setting, which
+the same command holds against it (its rows "tight" and "loose").
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import astuple, dataclass
+from typing import Literal
 
-from .results import Gate, Run, Verdict
+from ..results import Run
+
+AT_SIZE = 640 * 480
+MEASURED = "raytruth compare"
+
+
+@dataclass(frozen=True)
+class Limit:
+    name: str
+    value: float
+    unit: str
+    origin: Literal["derived", "measured"]
+    by: str  # the formula, or the command
 
 
 @dataclass(frozen=True)
@@ -27,7 +44,6 @@ class Tolerance:
         return round(share * (pixels * AT_SIZE) ** 0.5)
 
 
-AT_SIZE = 640 * 480
 NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by a unit of it",
                    depth_p99=5e-7, color_p99=2e-6, failing_share=2e-4, clustered_share=1e-5, mismatch_share=2e-4)
 MESH = Tolerance("meshes", "surfaces replaced by triangles, error falling with the square of the resolution",
@@ -41,8 +57,11 @@ ORACLE = Tolerance("POV-Ray", "double precision, colours of 16 bits",
 DOUBLE = Tolerance("double precision", "the same model in double precision",
                    depth_p99=1e-9, color_p99=1e-9, failing_share=0, clustered_share=0, mismatch_share=0)
 
-ANALYTICAL, NUMERICAL = 2e-5, 2e-4  # of an oracle's every pixel: with primitives, with isosurfaces at accuracy 1e-8
-EXCUSED_EDGES = 0.25  # of a picture's side: the rooms of figures 10 to 16 have edges through the centres of 107 pixels
+# of an oracle's every pixel, with primitives: a step of 16 bits, 2^-16 = 1.5e-5, and the rounding of what is added to it;
+# with isosurfaces at accuracy 1e-8 what their normals, differences over that distance, are off by
+ANALYTICAL, NUMERICAL = 2e-5, 2e-4
+ON_EDGES = 0.25  # of a picture's side: the rooms of figures 10 to 16 have edges through the centres of 107 pixels
+REPEATED = 1e-9  # of every plane of a pixel that two programs compute in double precision by the same method
 
 
 def tolerance_of(run: Run) -> Tolerance:
@@ -91,47 +110,17 @@ def unmeasured(run: Run) -> str:
     return ""
 
 
-def excuses(metrics: dict[str, float | int | None], limit: float) -> list[Gate]:
-    """The gates of an oracle's picture."""
-    return [_gate("color max not excused", metrics["color max not excused"], limit, "linear",
-                  "the largest error of colour of all pixels that rounding alone does not decide"),
-            _gate("excused pixels", metrics["excused pixels"], round(EXCUSED_EDGES * metrics["pixels"] ** 0.5), "pixels",
-                  "pixels beyond that limit whose colour hangs on rounding: edges that run through a pixel's centre")]
-
-
-def judge(metrics: dict[str, float | int | None], tolerance: Tolerance,
-          more: Sequence[Gate] = ()) -> tuple[Verdict, str, list[Gate]]:
-    """The verdict on one comparison, the reason in one sentence, and the gates behind it, `more` of them first."""
-    pixels = metrics["pixels"]
-    gates = [
-        *more,
-        _gate("not finite", metrics["not finite"], 0, "pixels", "pixels whose colour is NaN or infinite on either side"),
-        _gate("interior mismatches", metrics["interior mismatches"], 0, "pixels",
-              "pixels away from silhouettes where another object, or none, was hit"),
-        _gate("object mismatches", metrics["object mismatches"], tolerance.allowed(tolerance.mismatch_share, pixels), "pixels",
-              "pixels where another object, or none, was hit; silhouettes included"),
-        _gate("depth p99", metrics["depth p99"], tolerance.depth_p99, "relative",
-              "99 % of interior pixels have a smaller relative error of depth"),
-        _gate("color p99", metrics["color p99"], tolerance.color_p99, "linear",
-              "99 % of all pixels have a smaller error of colour"),
-        _gate("failing pixels", metrics["failing pixels"], tolerance.allowed(tolerance.failing_share, pixels), "pixels",
-              "pixels off by more than one step of an 8-bit picture"),
-        _gate("clustered failing pixels", metrics["clustered failing pixels"],
-              tolerance.allowed(tolerance.clustered_share, pixels), "pixels", "failing pixels whose eight neighbours fail too: a region is wrong, not an edge"),
-    ]
-    broken = [gate for gate in gates if not gate.holds]
-    if broken:
-        worst = broken[0]
-        others = {0: "", 1: "; one more limit is exceeded"}.get(
-            len(broken) - 1, f"; {len(broken) - 1} more limits are exceeded")
-        return "differs", f"{worst.name} is {_shown(worst.value)}, {_shown(worst.limit)} is allowed{others}", gates
-    return "agrees", f"every limit for {tolerance.name} holds ({tolerance.because})", gates
-
-
-def _gate(name: str, value, limit: float, unit: str, means: str) -> Gate:
-    # nothing to compare (no pixel hit, say) breaks no gate; NaN breaks every one
-    return Gate(name=name, value=value, limit=limit, holds=value is None or value <= limit, unit=unit, means=means)
-
-
-def _shown(value) -> str:
-    return "nothing" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.3g}"
+def table() -> Iterator[Limit]:
+    """All limits."""
+    units = {"depth_p99": "relative", "color_p99": "linear", "failing_share": "of the pixels at 640 x 480",
+             "clustered_share": "of the pixels at 640 x 480", "mismatch_share": "of the pixels at 640 x 480"}
+    for tolerance in (NATIVE, MESH, GRID, TRACERS, ORACLE, DOUBLE):
+        for name, unit in units.items():
+            yield Limit(f"{tolerance.name}: {name}", getattr(tolerance, name), unit, "measured", MEASURED)
+    yield Limit("POV-Ray: colour, primitives", ANALYTICAL, "of the brightest colour", "derived", "2^-16 and its rounding")
+    yield Limit("POV-Ray: colour, isosurfaces", NUMERICAL, "of the brightest colour", "measured",
+                "raytruth compare --renderers povray-isosurface")
+    yield Limit("excused pixels, undecided pixels", ON_EDGES, "of the picture's side", "measured",
+                "raytruth compare figure-10-refraction-n0.8 --renderers povray")
+    yield Limit("literal method: every plane", REPEATED, "relative", "measured",
+                "raytruth compare --renderers paper")

@@ -1,0 +1,87 @@
+"""Pairs of pictures, measured in workers and kept under the keys of their runs: all numbers that a verdict may need."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from reference_tracer.scene.model import Scene
+
+from ..document import Record
+from ..execution import store
+from ..execution.pool import Pool, Task, complete
+from ..execution.store import Store
+from ..results import Run, State
+from .tolerances import largest_difference
+
+FOLDER = "measured"
+TRUTH = "exact"
+
+
+class Measured(Record):
+    """What was measured on a pair of pictures."""
+
+    state: State = "ok"
+    message: str = ""
+    metrics: dict[str, float | int | None] = {}
+    worst: list[dict[str, float | int]] = []
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two finished runs of a scene. `smooth` asks for errors of colour away from every edge of a pixel's rays as well."""
+
+    scene: Scene
+    first: Run
+    second: Run
+    smooth: bool = False
+
+    @property
+    def excuse(self) -> dict | None:
+        """What rounding has to explain: every pixel of an oracle's picture that is farther than this from the truth."""
+        limit = largest_difference(self.second) if self.first.renderer == TRUTH else None
+        return limit and {"limit": limit, "precision": self.second.facts["precision"]}
+
+    @property
+    def literal(self) -> bool:
+        """Whether the literal method, at the scene's own step, is held against the truth: then its oracle is asked."""
+        settings = self.second.settings
+        return self.first.renderer == TRUTH and settings.get("method") == "paper" and "step_size" not in settings
+
+    @property
+    def key(self) -> str:
+        return store.key(self.first.key, self.second.key, self.smooth, self.excuse, self.literal, made_by=("comparisons.verdicts.measure",))
+
+
+class Measurements:
+    """Of all pairs that have been asked for."""
+
+    def __init__(self, results: Path, pool: Pool, limit: float):
+        """`limit` is in seconds, of one pair."""
+        self.results, self.pool, self.limit, self.store = results, pool, limit, Store(results, FOLDER)
+        self._found: dict[str, Measured] = {}
+
+    def make(self, pairs: Iterable[Pair]) -> None:
+        """Measures all pairs; one that cannot be measured has a state that says so."""
+        tasks = [Task(pair.key, f"{pair.first.renderer} and {pair.second.renderer}: {pair.scene.name}",
+                      "comparisons.verdicts.measure:answer", {
+            "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results), "smooth": pair.smooth,
+            "excuse": pair.excuse, "literal": pair.literal, "planes": [str(self.results / run.planes) for run in (pair.first, pair.second)]},
+            self.limit, "measure") for pair in pairs]
+        self._found |= complete(tasks, self.store, self.pool, Measured.model_validate_json, _settled)
+
+    def of(self, pair: Pair) -> Measured:
+        """What was measured of a pair, now if it was not asked for before."""
+        if pair.key not in self._found:
+            self.make([pair])
+        return self._found[pair.key]
+
+
+def _settled(task: Task, answer: dict) -> Measured:
+    try:
+        return Measured.model_validate(answer)
+    except ValidationError:
+        return Measured(state="malformed", message="answered something that is no measurement")

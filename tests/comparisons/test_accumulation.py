@@ -1,0 +1,79 @@
+"""Results accumulate: one more scene, renderer or case drops no other; what is printed to reproduce a case leaves the rest."""
+
+import json
+import shlex
+
+import pytest
+
+from comparisons import results, suite
+from comparisons.agreement import records
+from comparisons.stability import results as stability
+from raytruth.cli import main
+from reference_tracer.scene.load import parse_scene
+
+
+def scene(name, radius=1.0):
+    return parse_scene(json.dumps({
+        "name": name, "camera": {"width": 24, "height": 16}, "tracing": {"step_size": 0.4},
+        "objects": [{"surface": {"type": "sphere", "center": [0, 0, 3], "r": radius}}],
+        "lights": [{"position": [2, 2, 0]}]}).encode())
+
+
+def compare(folder, *scenes, renderers=("paper",), **more):
+    return suite.compare(scenes, suite.Options(folder, renderers=renderers, with_studies=False, **more))
+
+
+def rows(folder):
+    document, matrix = results.read(folder), records.read(folder)
+    return ({c.id for c in document.comparisons}, {s.name for s in document.scenes}, {p.scene for p in matrix.pairs},
+            {run.key for run in document.runs})
+
+
+def test_one_more_scene_drops_no_other_unless_asked(tmp_path):
+    compare(tmp_path, scene("one"))
+    first = results.read(tmp_path)
+    only = compare(tmp_path, scene("two", 0.9))
+    assert [c.id for c in only.comparisons] == ["two--paper"]  # what is returned is what was asked for
+    ids, names, pairs, keys = rows(tmp_path)
+    assert ids == {"one--paper", "two--paper"} and names == pairs == {"one", "two"}
+    assert {run.key for run in first.runs} < keys
+    again = compare(tmp_path, scene("one", 0.8))  # another scene of the same name takes its place
+    assert rows(tmp_path)[0] == ids and results.read(tmp_path).run(again.comparisons[0].test)
+    compare(tmp_path, scene("two", 0.9), fresh=True)
+    assert rows(tmp_path)[:3] == ({"two--paper"}, {"two"}, {"two"})
+
+
+def test_one_more_renderer_drops_no_other(tmp_path):
+    compare(tmp_path, scene("one"), renderers=("paper", "embree"))
+    before = {p.second for p in records.read(tmp_path).pairs}
+    compare(tmp_path, scene("one"), renderers=("paper",))
+    assert rows(tmp_path)[0] == {"one--paper", "one--embree"} and {p.second for p in records.read(tmp_path).pairs} == before
+
+
+def test_the_command_printed_with_a_case_works_and_leaves_the_results_alone(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["compare", "effect-shading", "effect-shadow", "--renderers", "paper", "--no-studies", "--largest", "24"]) == 0
+    before = results.read("results").model_copy(update={"created": "", "seconds": 0})
+    for command in {c.command for c in before.comparisons}:
+        program, *arguments = shlex.split(command)
+        assert program == "raytruth" and main([*arguments, "--no-studies"]) == 0
+    after = results.read("results").model_copy(update={"created": "", "seconds": 0})
+    for field in ("scenes", "runs", "comparisons"):
+        key = lambda row: row.model_dump_json()
+        assert sorted(getattr(after, field), key=key) == sorted(getattr(before, field), key=key)
+
+
+def test_one_more_family_drops_no_other(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for family in ("horizon", "printed-refraction", "horizon"):
+        assert main(["stability", "--family", family, "--rays", "50", "-o", "results"]) == 0
+    assert {f.id for f in stability.read("results").families} == {"horizon", "printed-refraction"}
+    assert main(["stability", "--family", "horizon", "--rays", "50", "-o", "results", "--fresh"]) == 0
+    assert [f.id for f in stability.read("results").families] == ["horizon"]
+
+
+@pytest.mark.parametrize("other", ['{"version": 1}', "{", ""])
+def test_what_cannot_be_read_is_replaced(tmp_path, other):
+    (tmp_path / results.FILE).write_text(other)
+    compare(tmp_path, scene("one"))
+    assert rows(tmp_path)[0] == {"one--paper"}
