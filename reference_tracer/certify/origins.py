@@ -29,7 +29,8 @@ def starts_along(surface: Surface, o, d) -> bool:
     with precision(BITS):
         t = arb(0.5 * SHORT, 0.5 * SHORT)
         value, slope = _along(surface, [arb(rational(a)) + t * arb(rational(b)) for a, b in zip(o, d)], d)
-        return not any(v > 0 or v < 0 for v in (value, slope))
+        # where f has no value the ray starts on no surface
+        return value.is_finite() and not any(v > 0 or v < 0 for v in (value, slope))
 
 
 def _along(surface: Surface, point, d) -> tuple[arb, arb]:

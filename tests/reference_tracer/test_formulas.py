@@ -217,3 +217,34 @@ def test_equal_factors_are_a_square_for_every_number_type():
     value = f.regular(*(OutwardInterval(-2.0, 2.0) for _ in range(3)), **f.parameters)
     assert value.low <= -1 and -1.001 < value.low and value.high == pytest.approx(math.sqrt(2.3**2 + 8) - 1)
     assert family("(x - 1)*(x - 1) - y") != family("(x - 1)*(x - 2) - y")
+
+
+def test_sixty_baked_balls_are_one_family_and_what_spheres_show():
+    """Sixty formulas that hold their own places and sizes, each with bounds of its own: one kernel, the spheres' picture."""
+    chance = np.random.default_rng(60)
+    centers, radii = chance.uniform((-3, -2, 6), (3, 2, 12), (60, 3)), chance.uniform(0.2, 0.5, 60)
+    baked = [thing("expression", formula="+".join(f"({v}-({c!r}))**2" for v, c in zip("xyz", p.tolist())) + f"-{float(r * r)!r}",
+                   bounds={"low": (p - 1.01 * r).tolist(), "high": (p + 1.01 * r).tolist()}) for p, r in zip(centers, radii)]
+    scene = make_scene(*baked, size=(64, 48))
+    assert len({o.surface.family for o in scene.objects}) == 1
+    a, b = render(scene), render(make_scene(*(thing("sphere", tuple(p.tolist()), r=float(r)) for p, r in zip(centers, radii)),
+                                            size=(64, 48)))
+    np.testing.assert_array_equal(a.index, b.index)
+    np.testing.assert_allclose(a.t[b.index >= 0], b.t[b.index >= 0], rtol=1e-13)
+
+
+def test_a_solid_of_revolution_is_right_but_for_its_axis():
+    """A Reuleaux triangle turned about z: three arcs of radius sqrt(3) about its corners; no gradient on the axis."""
+    arcs = ["(sqrt(x**2+y**2)-0)**2+(z-1)**2-3", f"(sqrt(x**2+y**2)-{0.75**0.5!r})**2+(z+0.5)**2-3",
+            f"(sqrt(x**2+y**2)+{0.75**0.5!r})**2+(z+0.5)**2-3"]
+    box = {"low": [-1.5] * 3, "high": [1.5] * 3}
+    solid = thing("expression", (0, 0, 6), formula=f"max({arcs[0]}, max({arcs[1]}, {arcs[2]}))", bounds=box)
+    picture = render(make_scene(solid, size=(41, 31)))
+    assert np.argwhere(picture.status == 2).tolist() == [[15, 20]]  # the ray along the axis
+    met = picture.index >= 0
+    x, y, z = np.moveaxis(picture.position[met] - (0, 0, 6), -1, 0)
+    rho = np.hypot(x, y)
+    corners = np.array([(0, 1), (0.75**0.5, -0.5), (-(0.75**0.5), -0.5)])
+    farthest = np.max([np.hypot(rho - a, z - b) for a, b in corners], axis=0)
+    np.testing.assert_allclose(farthest, 3**0.5, rtol=1e-14)
+    assert met.sum() > 80
