@@ -242,7 +242,9 @@ def put_in_place(mutant: Mutant, folder: Path, monkeypatch) -> None:
         if getattr(value, "__module__", None) != name:
             continue
         if inspect.isclass(value):
-            for attribute, member in vars(getattr(wrong, key)).items():
+            of_mutant = getattr(wrong, key)
+            setattr(wrong, key, value)  # its functions meet objects of the original class
+            for attribute, member in vars(of_mutant).items():
                 if isinstance(member, (FunctionType, staticmethod, classmethod, property)):
                     monkeypatch.setattr(value, attribute, member)
         else:
