@@ -64,9 +64,18 @@ def main(argv: list[str] | None = None) -> int:
         except MemoryError:
             print("raytruth: there is too little memory for this; make the picture or the scene smaller", file=sys.stderr)
             return BAD_INPUT
-        except KeyboardInterrupt:
+        except BaseException as error:
+            if not _is_interruption(error):
+                raise
             print(goodbye, file=sys.stderr)
             return INTERRUPTED
+
+
+def _is_interruption(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is the error or its cause: Dr.Jit raises an error of its own where it meets one while it records."""
+    while error and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 @contextlib.contextmanager

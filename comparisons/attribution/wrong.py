@@ -71,7 +71,7 @@ FAULTS = {f.id: f for f in (
           "(1.0 - R) * (1.0 - T), 0)", "(1.0 - T), 0)", "effect-mixing", "mixing",
           "1 − reflection weighs the point's own colour in the sum of section 4.3.4: no ray is wrong, their sum is"),
     Fault("mean-of-n", "n × n samples divided by n", "reference_tracer.film",
-          "color / samples**2 if", "color / samples if", "effect-multisampling", "sampling",
+          "samples**2 / color_unit", "samples / color_unit", "effect-multisampling", "sampling",
           "one sample a pixel is right, the mean of n × n is not (section 5)"),
 )}
 

@@ -257,3 +257,23 @@ def test_doctor_leaves_nothing_of_a_program_that_hangs(tmp_path, monkeypatch):
     while os.path.exists(f"/proc/{child}") and "Z" not in open(f"/proc/{child}/stat").read().rpartition(")")[2].split()[0]:
         assert time.monotonic() < deadline, "a child of the program lives on"
         time.sleep(0.05)
+
+
+@pytest.mark.parametrize("wrapped", [False, True])
+def test_an_interruption_is_one_whoever_raises_it(wrapped, monkeypatch, capsys):
+    """While Dr.Jit records, Ctrl-C surfaces as an error of its own, caused by it."""
+    from raytruth.commands import scenes
+
+    def interrupted(arguments):
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as error:
+            if wrapped:
+                raise RuntimeError("a loop could not be recorded") from error
+            raise
+
+    monkeypatch.setattr(scenes, "run", interrupted)
+    assert main(["scenes"]) == 130 and capsys.readouterr().err == "raytruth: interrupted\n"
+    monkeypatch.setattr(scenes, "run", lambda arguments: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        main(["scenes"])
