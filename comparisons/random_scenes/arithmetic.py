@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import ast
 import math
+import operator
 from collections import Counter
+from collections.abc import Callable
+from functools import lru_cache
 
 from flint import arb, fmpq, fmpq_poly
 
@@ -86,35 +89,48 @@ def _odd_factors(node) -> list:
 
 
 class _Evaluation:
-    """Walks the tree of one formula with the operations of one kind of numbers; constants stay rational."""
+    """The tree of one formula with the operations of one kind of numbers; constants stay rational."""
 
     def __init__(self, numbers, variables: dict):
         self.numbers, self.variables = numbers, variables
 
     def of(self, node):
-        match node:
-            case ast.Constant(value=value):
-                return rational(float(value))
-            case ast.Name(id="pi"):
-                return rational(math.pi)
-            case ast.Name(id=name):
-                return self.variables[name]
-            case ast.UnaryOp(op=ast.USub(), operand=a):
-                return -self.of(a)
-            case ast.UnaryOp(op=ast.UAdd(), operand=a):
-                return self.of(a)
-            case ast.BinOp(op=ast.Pow(), left=base, right=exponent):
-                return self.numbers.power(self.of(base), self.of(exponent))
-            case ast.BinOp(op=ast.Mult(), left=a, right=b) if ast.dump(a) == ast.dump(b):
-                return self.numbers.power(self.of(a), fmpq(2))  # a square is not negative
-            case ast.BinOp(op=op, left=a, right=b):
-                a, b = self.of(a), self.of(b)
-                if isinstance(op, ast.Div):
-                    return self.numbers.divide(a, b)
-                return a + b if isinstance(op, ast.Add) else a - b if isinstance(op, ast.Sub) else a * b
-            case ast.Call(func=ast.Name(id=name), args=arguments):
-                return getattr(self.numbers, name)(*map(self.of, arguments))
-        raise ValueError(f"a formula may not hold {ast.dump(node)}")
+        return _compiled(node)(self)
+
+
+@lru_cache(maxsize=1 << 14)
+def _compiled(node) -> Callable[[_Evaluation], object]:
+    """What an evaluation does at `node`: looked up once, for the same formula is evaluated many thousand times."""
+    match node:
+        case ast.Constant(value=value):
+            constant = rational(float(value))
+            return lambda e: constant
+        case ast.Name(id="pi"):
+            pi = rational(math.pi)
+            return lambda e: pi
+        case ast.Name(id=name):
+            return lambda e: e.variables[name]
+        case ast.UnaryOp(op=ast.USub(), operand=a):
+            of_a = _compiled(a)
+            return lambda e: -of_a(e)
+        case ast.UnaryOp(op=ast.UAdd(), operand=a):
+            return _compiled(a)
+        case ast.BinOp(op=ast.Mult(), left=a, right=b) if ast.dump(a) == ast.dump(b):
+            of_a, two = _compiled(a), fmpq(2)
+            return lambda e: e.numbers.power(of_a(e), two)  # a square is not negative
+        case ast.BinOp(op=op, left=a, right=b):
+            of_a, of_b = _compiled(a), _compiled(b)
+            match op:
+                case ast.Pow():
+                    return lambda e: e.numbers.power(of_a(e), of_b(e))
+                case ast.Div():
+                    return lambda e: e.numbers.divide(of_a(e), of_b(e))
+            apply = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul}[type(op)]
+            return lambda e: apply(of_a(e), of_b(e))
+        case ast.Call(func=ast.Name(id=name), args=arguments):
+            parts = [_compiled(argument) for argument in arguments]
+            return lambda e: getattr(e.numbers, name)(*[part(e) for part in parts])
+    raise ValueError(f"a formula may not hold {ast.dump(node)}")
 
 
 class _Polynomials:
