@@ -34,11 +34,12 @@ sys.path[:0] = [str(ROOT), str(Path(__file__).parent)]
 import fuzz_inputs  # noqa: E402
 
 MEMORY = 2 << 30  # bytes
-SILENCE = 10.0  # seconds of work without a word
+SILENCE = 10.0  # seconds of work without a word on how far it is and how long it will take
 STUCK = 60.0  # seconds without an answer and without work
 LONGEST = 400.0  # seconds of work on one input, whatever it tells
 LONGEST_SENTENCE = 700  # characters
 ESTIMATE, PROGRESS = re.compile(r"^raytruth: .* will take ", re.MULTILINE), re.compile(r"\d% after \d", re.MULTILINE)
+LEFT = re.compile(r"about [\d:]+ left")
 TICKS = os.sysconf("SC_CLK_TCK")
 
 
@@ -116,7 +117,7 @@ class Worker:
                 code = "memory"
             elif ESTIMATE.search(said) and PROGRESS.search(said):
                 code = "told"
-            elif work - started > SILENCE and not PROGRESS.search(said):
+            elif work - started > SILENCE and not (PROGRESS.search(said) and (ESTIMATE.search(said) or LEFT.search(said))):
                 code = "silent"
             elif work - started > LONGEST:
                 code = "silent"

@@ -64,7 +64,7 @@ def worker(tmp_path, monkeypatch):
     ("import time; time.sleep(1000)", "stuck")])
 def test_the_watch_over_a_worker(worker, monkeypatch, body, code):
     """It sees tracebacks, crashes, silence and memory, and goes on with the next input."""
-    monkeypatch.setattr(fuzz, "SILENCE", 0.2)
+    monkeypatch.setattr(fuzz, "SILENCE", 0.2 if code == "silent" else 60.0)
     monkeypatch.setattr(fuzz, "STUCK", 3.0)
     monkeypatch.setattr(fuzz, "MEMORY", 1 << 27)
     watched = worker.obeys(f"def main(arguments):\n    {body}\n")
