@@ -131,6 +131,14 @@ def test_the_heart_s_belt_is_newton_s_fault_not_the_step_s(tmp_path):
     assert verdict_ == "expected" and "Newton left its step" in reason
 
 
+def test_where_newton_follows_noise_rounding_explains_a_distance(tmp_path):
+    """On the heart's belt the distance moves by far more than rounding when a ray moves by rounding; elsewhere it does not."""
+    scene = library.scene("effect-shading").resized(320, 240)
+    truth, test = planes(render(scene, "exact")), planes(render(scene, "paper"))
+    assert verdict(scene, truth, test, tmp_path)[0] == "expected"
+    assert verdict(scene, truth, {**test, "t": test["t"] * (1 + 1e-6)}, tmp_path)[0] == "differs"
+
+
 LOSES = """
 import numpy as np
 from comparisons import renderers
