@@ -55,9 +55,8 @@ def _one(arguments) -> int:
         a, b = side.of_renderer(arguments.renderer), side.of_fault(arguments.fault)
     else:
         a, b = side.of_renderer(arguments.against), side.of_renderer(arguments.renderer)
-    bar = Progress(10)
-    attribution = attribute(scene, a, b, progress=lambda stage: bar.step(label=stage))
-    bar.close()
+    with Progress(10) as bar:
+        attribution = attribute(scene, a, b, progress=lambda stage: bar.step(label=stage))
     if arguments.json:
         print(attribution.model_dump_json(indent=1))
     else:

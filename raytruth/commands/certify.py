@@ -56,18 +56,18 @@ def _run(arguments) -> int:
 
     scenes = [library.find(name) for name in arguments.scene or library.names()]
     scenes = [resized(scene, arguments.size) for scene in scenes]
-    certificates, bar = [], Progress(len(scenes))
-    for k, scene in enumerate(scenes):
-        def show(stage: str, share: float, done=k, name=scene.name):
-            bar.label = f"{name}: {stage}"
-            bar.to(done + share)
-        c = certify(scene, arguments.method, sample=arguments.sample, paths=arguments.paths, threads=arguments.threads,
-                    progress=show)
-        certificates.append(c)
-        if not arguments.json:
-            bar.close()
-            print(told(c), end="\n\n", flush=True)
-    bar.close()
+    certificates = []
+    with Progress(len(scenes)) as bar:
+        for k, scene in enumerate(scenes):
+            def show(stage: str, share: float, done=k, name=scene.name):
+                bar.label = f"{name}: {stage}"
+                bar.to(done + share)
+            c = certify(scene, arguments.method, sample=arguments.sample, paths=arguments.paths, threads=arguments.threads,
+                        progress=show)
+            certificates.append(c)
+            if not arguments.json:
+                bar.close()
+                print(told(c), end="\n\n", flush=True)
     if arguments.json:
         print(json.dumps([c.document() for c in certificates], indent=1))
     elif len(certificates) > 1:
@@ -85,19 +85,19 @@ def _run_random(arguments) -> int:
     for name, low, high in (("random", 1, 10_000_000), ("seed", 0, 10**12), ("jobs", 1, 64)):
         if not low <= getattr(arguments, name) <= high:
             raise InputError(f"--{name}: must be {low} to {high}; found {getattr(arguments, name)}")
-    totals, bar = {}, Progress(arguments.random, label="random scenes")
-    try:
-        for answer in suite.run(arguments.random, arguments.seed, arguments.jobs, arguments.method):
-            totals.setdefault(answer.kind, suite.Total()).add(answer)
-            if not suite.Total.of(answer).holds(answer.kind):
-                bar.close()
-                _tell_failure(answer, grammar.draw(answer.seed).scene, arguments)
-            bar.step()
-    except KeyboardInterrupt:
-        done = max(sum(t.scenes for t in totals.values()) - arguments.jobs, 0)  # those under way are made again
-        bar.close()
-        print(f"stopped after {done} scenes; go on with --random {arguments.random - done} --seed {arguments.seed + done}")
-    bar.close()
+    totals = {}
+    with Progress(arguments.random, label="random scenes") as bar:
+        try:
+            for answer in suite.run(arguments.random, arguments.seed, arguments.jobs, arguments.method):
+                totals.setdefault(answer.kind, suite.Total()).add(answer)
+                if not suite.Total.of(answer).holds(answer.kind):
+                    bar.close()
+                    _tell_failure(answer, grammar.draw(answer.seed).scene, arguments)
+                bar.step()
+        except KeyboardInterrupt:
+            done = max(sum(t.scenes for t in totals.values()) - arguments.jobs, 0)  # those under way are made again
+            bar.close()
+            print(f"stopped after {done} scenes; go on with --random {arguments.random - done} --seed {arguments.seed + done}")
     if arguments.json:
         print(json.dumps({kind: {**vars(total), "counts": dict(total.counts)} for kind, total in totals.items()}, indent=1))
     else:

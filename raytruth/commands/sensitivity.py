@@ -43,9 +43,8 @@ def run(arguments) -> int:
     require_file(arguments.output, ".npz")
     scene = resized(find(arguments.scene), arguments.size)
     memory.require(scene, PLANES, BESIDE, arguments.memory)
-    bar = Progress(1.0, label=scene.name)
-    sensitivity = model.sensitivity(scene, arguments.method, arguments.precision, progress=bar.to)
-    bar.close()
+    with Progress(1.0, label=scene.name) as bar:
+        sensitivity = model.sensitivity(scene, arguments.method, arguments.precision, progress=bar.to)
     share = lambda mask: float(np.mean(mask))
     found = {"scene": scene.name, "pixels": sensitivity.bound.size,
              "bound below 1e-4": share(sensitivity.bound < 1e-4), "median bound": float(np.median(sensitivity.bound)),

@@ -102,12 +102,13 @@ class Worker:
         self.process.stdin.flush()
         self._forget_peak()
         started, heard = self._work(), time.monotonic()
-        worked, code, peak = started, None, 0
+        worked, code, peak, last = started, None, 0, False
         while code is None:
             if select.select([self.process.stdout], [], [], 0.05)[0]:
                 line = self.process.stdout.readline()
                 peak = max(peak, self._peak())
-                code = json.loads(line)["code"] if line else "crash"
+                answer = json.loads(line) if line else {"code": "crash"}
+                code, last = answer["code"], answer.get("last", False)
                 break
             peak, work = max(peak, self._peak()), self._work()
             if work > worked + 0.2:
@@ -124,7 +125,7 @@ class Worker:
             elif time.monotonic() - heard > STUCK:
                 code = "stuck"
         outcome = Outcome(code, _read(place / "stdout"), _read(place / "stderr"), peak, max(self._work(), worked) - started)
-        if not isinstance(code, int):
+        if last or not isinstance(code, int):
             self.close()
         return outcome
 

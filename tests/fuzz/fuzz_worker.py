@@ -35,8 +35,8 @@ def main() -> None:
             code = "traceback"
         sys.stdout.flush()
         sys.stderr.flush()
-        answers.write(json.dumps({"code": code}) + "\n")
         renders += request["arguments"][0] == "render"
+        answers.write(json.dumps({"code": code, "last": renders > MOST_RENDERS}) + "\n")
         if renders > MOST_RENDERS:
             return
 
