@@ -16,7 +16,7 @@ from random import Random
 import numpy as np
 from flint import arb, ctx, fmpq
 
-from .oracle import BITS, NOTHING, Hit, NotDefined, Oracle, Ray, Unsettled, along, balls, dot, points, rational
+from .oracle import BITS, NOTHING, Hit, NotDefined, Oracle, Ray, Unsettled, along, dot, points, rational
 
 UNDECIDED = 2  # of the status plane
 EPSILON = 2.0**-52

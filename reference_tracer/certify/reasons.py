@@ -12,9 +12,9 @@ from .audit import Blame, audited_fault
 from .line import Line, ray_polynomial
 from .objects import crossings_of, local_rays
 from .origins import starts_along
-from .records import NOTHING, SHADOW, unenclosed
+from .records import NOTHING, unenclosed
 from .roots import near_misses
-from .verdict import AT_ONCE, NO_DIRECTION, Verdict, decide
+from .verdict import AT_ONCE, NO_DIRECTION, decide
 
 PRECISION = 192  # bits of the comparisons
 CLOSE = 1e-6  # two crossings nearer to each other than this are told as the reason; no verdict hangs on it

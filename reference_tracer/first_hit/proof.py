@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import drjit as dr
 
-from ..numbers import Interval, OutwardInterval
+from ..numbers import OutwardInterval
 from .interface import LocalRay, Solid
 from .interval import IntervalMethod
 

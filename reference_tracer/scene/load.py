@@ -171,7 +171,7 @@ def _meant(fault, faults) -> str | None:
 
 def _keys_at(place) -> list[str]:
     """The keys that the format knows at a place, by its published schema."""
-    root = schema = json_schema()
+    root = schema = before = json_schema()
     for step in place:
         schema = schema.get("properties", {}).get(step, {}) if isinstance(step, str) else schema.get("items", {})
         options = [schema, *schema.get("anyOf", ()), *schema.get("oneOf", ())]

@@ -204,7 +204,7 @@ def test_scenes_that_differ_in_name_share_a_run_and_keep_their_names(tmp_path):
 def test_a_program_tells_its_version_wherever_it_says_it(tmp_path, monkeypatch):
     """POV-Ray's first line may be a complaint about a file of settings."""
     program = tmp_path / "povray"
-    program.write_text("#!/bin/sh\necho 'povray: cannot open the user configuration file /root/.povray/3.7/povray.conf' >&2\n"
+    program.write_text("#!/bin/sh\necho 'povray: cannot open the user configuration file /home/someone/.povray/3.7/povray.conf' >&2\n"
                        "echo 'POV-Ray 3.7.0.8.unofficial' >&2\n")
     program.chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)

@@ -229,7 +229,7 @@ def program(folder, name: str, text: str):
 
 
 @pytest.mark.parametrize("name, says, found, detail", [
-    ("povray", "echo 'povray: cannot open /root/.povray/3.7/povray.conf' >&2; echo 'POV-Ray 3.7.0.10.unofficial'", True,
+    ("povray", "echo 'povray: cannot open /home/someone/.povray/3.7/povray.conf' >&2; echo 'POV-Ray 3.7.0.10.unofficial'", True,
      "3.7.0.10.unofficial"),
     ("chromium", "echo '[: 25276510208: unexpected operator' >&2; echo 'Chromium 156.0.8078.108 built on Debian GNU/Linux 12'",
      True, "156.0.8078.108"),
