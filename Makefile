@@ -1,6 +1,8 @@
 # make report   everything from nothing: environment, pictures, comparisons, reports/html/index.html
 # make test     the tests
+# make check    the linter, and the tests that take no time
 # make fuzz     5000 hostile inputs against the command line; takes its time
+# make enclosures  every number type against python-flint on a million arguments a function
 # make bench    ratios to other programs; wants the machine to itself
 # make clean    removes what the two made; the next run starts from nothing
 
@@ -8,7 +10,7 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 
-.PHONY: report test fuzz bench clean
+.PHONY: report test check fuzz enclosures bench clean
 
 # what the report shows; each suite keeps what it has finished, and exit code 1 says that something differs
 SUITES := "compare --largest 320 --jobs 3" "transport --jobs 3" "stability" "attribute --wrong-on-purpose --jobs 6" \
@@ -25,6 +27,9 @@ test: $(VENV)/installed
 
 fuzz: $(VENV)/installed
 	$(BIN)/python tests/fuzz/fuzz.py --inputs 5000
+
+enclosures: $(VENV)/installed
+	$(BIN)/python tests/reference_tracer/enclosures.py --count 1000000
 
 bench: $(VENV)/installed
 	$(BIN)/python -m comparisons.bench

@@ -15,7 +15,7 @@ __all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "power
            "where_larger", "quotient", "whole_power"]
 
 # Dr.Jit's fp64 sine and cosine are good to an absolute 2**-52 below this angle, and from about 2**31.6 on they return
-# numbers of any size: `python -m reference_tracer.numbers.enclosures`. Beyond it Dr.Jit's floats have none here, NaN, and
+# numbers of any size: `make enclosures`. Beyond it Dr.Jit's floats have none here, NaN, and
 # intervals answer [-1, 1] and the whole line.
 LARGEST_ANGLE = 2.0**30
 

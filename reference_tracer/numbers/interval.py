@@ -13,7 +13,7 @@ known to exist there (M7). inf - inf and 0 inf make such bounds, too, where numb
 Subnormal numbers: Dr.Jit's threads read and write them as zero. Results that underflow are covered; subnormal bounds that
 enter from outside, in arrays, count as what the threads read.
 
-`python -m reference_tracer.numbers.enclosures` holds every function against python-flint and measures every constant here.
+`make enclosures` holds every function against python-flint and measures every constant here.
 """
 
 from __future__ import annotations

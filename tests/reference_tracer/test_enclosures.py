@@ -2,13 +2,14 @@
 
 import math
 
+import enclosures
 import numpy as np
 import pytest
+from enclosures import CASES, FLOATS, KINDS, Kind, check, float_errors
 
 from reference_tracer.backend import backend
-from reference_tracer.numbers import Dual, OutwardInterval, enclosures, interval
+from reference_tracer.numbers import Dual, OutwardInterval, interval
 from reference_tracer.numbers import functions as fn
-from reference_tracer.numbers.enclosures import CASES, FLOATS, KINDS, Kind, check, float_errors
 from reference_tracer.numbers.exact import Series
 
 NAMED = {case.name: case for case in CASES}
@@ -133,6 +134,7 @@ def test_a_power_at_zero_has_the_value_and_the_slope_it_has():
 def test_a_power_over_a_ball_that_reaches_zero_keeps_the_derivatives_that_exist():
     """|x|^p about 0: all of value, p x^(p-1) and p (p-1)/2 x^(p-2) lie between 0 and their value at the end, 0.1."""
     from flint import arb, arb_series
+
     from reference_tracer.certify.search import precision
     with precision(96):
         x = Series(arb_series([arb(0.05, 0.05), arb(1)]), nonnegative=True)

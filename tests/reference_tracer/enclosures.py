@@ -1,4 +1,4 @@
-"""Every number type held against python-flint's balls on random arguments: python -m reference_tracer.numbers.enclosures
+"""Every number type held against python-flint's balls on random arguments: `make enclosures`.
 
 A function of an interval must hold the true value at every point of it, and so must its derivative by duals, whatever the
 size of the arguments: ordinary, up to 1e308, down to 5e-324, zero, infinite. `Interval` is granted the rounding it states.
@@ -18,12 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 from flint import arb, arb_series, ctx
 
-from ..backend import backend
-from . import functions as fn
-from . import interval as stated
-from .dual import Dual
-from .exact import ORDER, Series
-from .interval import Interval, OutwardInterval
+from reference_tracer.backend import backend
+from reference_tracer.numbers import functions as fn
+from reference_tracer.numbers import interval as stated
+from reference_tracer.numbers.dual import Dual
+from reference_tracer.numbers.exact import ORDER, Series
+from reference_tracer.numbers.interval import Interval, OutwardInterval
 
 BITS = 160  # of the true values
 POINTS = 4  # tried in every interval: both ends, two within
@@ -352,7 +352,7 @@ def float_errors(name: str, count: int, on_drjit: bool, seed: int = 2) -> tuple[
 
 
 def main(arguments=None) -> int:
-    parser = argparse.ArgumentParser(prog="python -m reference_tracer.numbers.enclosures",
+    parser = argparse.ArgumentParser(prog="enclosures",
                                      description="Holds every number type against python-flint on random arguments.")
     parser.add_argument("--count", type=int, default=1_000_000, help="arguments of each function (default: %(default)s)")
     parser.add_argument("--only", nargs="+", metavar="FUNCTION", choices=[c.name for c in CASES],
