@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import drjit as dr
 
 from .rays import Hit, Ray, Sides
-from .secondary import reflect, refract
 from .world import Material, World
 
 ROUNDING_OF_LENGTHS = 16  # units of rounding in the square of a normalised vector's length: seven operations, and spare
@@ -53,9 +52,7 @@ def collide(world: World, ray: Ray, active) -> Collision:
     t = dr.select(met, hit.t, 0)
     point = dr.fma(ray.d, t, ray.o)
     gradient = world.normal(point, hit.index, met)
-    cos1 = -dr.dot(ray.d, gradient)
-    normal = dr.select(cos1 < 0, -gradient, gradient)
-    cos1 = dr.abs(cos1)
+    normal, cos1 = world.optics.facing(ray.d, gradient)
     # where the gradient does not exist (O4, O5), overflows or underflows there is no normal: face the ray, and say that
     # the pixel is undecided
     smooth = ~met | (dr.abs(dr.squared_norm(normal) - 1) < ROUNDING_OF_LENGTHS * dr.epsilon(Float))
@@ -64,7 +61,7 @@ def collide(world: World, ray: Ray, active) -> Collision:
     material = world.material(hit.index, met)
     R = material.reflection if world.reflective else 0.0
     T = material.transparency if world.transparent else 0.0
-    local_weight = dr.select(met, (1.0 - R) * (1.0 - T), 0)
+    local_weight = dr.select(met, world.optics.own_weight(R, T), 0)
     illumination, asked, reached, unsure = _illumination(world, ray, point, normal, met & (local_weight > 0))
     background = world.arrays.Vector(*world.background)
     color = dr.select(met, material.color * illumination * local_weight, dr.select(active, background, 0))
@@ -72,7 +69,7 @@ def collide(world: World, ray: Ray, active) -> Collision:
     hit.undecided &= active
     collision = Collision(hit, point, normal, color, smooth, asked, reached, unsure, *[None] * 6)
     if world.reflective or world.transparent:
-        collision.reflected = dr.normalize(reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
+        collision.reflected = dr.normalize(world.optics.reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
         collision.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
         if not world.traces["reflection"]:
             collision.color += background * collision.reflected_weight
@@ -103,7 +100,7 @@ def _illumination(world: World, ray: Ray, point, normal, active):
         faces = active & (cos > 0)
         # the shadow ray starts on the side the ray came from, like the reflection ray (M3)
         intensity, unsure = world.light_through(Ray(point, shadow_dir, ray.sides), distance, faces)
-        total += brightness * dr.select(intensity > 0, cos * intensity, 0)
+        total += brightness * world.optics.light(cos, intensity, distance)
         asked += dr.select(faces, UInt(1), 0)
         reached += dr.select(faces & (intensity > 0), UInt(1), 0)
         undecided += dr.select(unsure, UInt(1), 0)
@@ -116,7 +113,8 @@ def _add_refraction(world: World, ray: Ray, collision: Collision, material: Mate
     T, n = material.transparency, material.refractive_index
     leaving = ray.sides.test(collision.hit.index)
     n1, n2 = dr.select(leaving, n, 1), dr.select(leaving, 1, n)
-    refraction = refract(ray.d, collision.normal, cos1, n1, n2, world.scene.tracing.refraction == "as_printed")
+    as_printed = world.scene.tracing.refraction == "as_printed"
+    refraction = world.optics.refract(ray.d, collision.normal, cos1, n1, n2, as_printed)
     # total internal reflection keeps the weight T; the direction it shares with the reflection is traced once (R3)
     collision.total_reflection = met & refraction.total
     collision.reflected_weight += dr.select(collision.total_reflection, T, 0)

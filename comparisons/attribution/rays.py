@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer import render
+from reference_tracer.render import Picture, Renderer, Watch
 from reference_tracer.scene.model import Scene
 
-from .records import History, Ray
+from .document import History, Ray
 
 MOST_RAYS = 64  # shown of a pixel
 
 
-class _Recorder(render.Watch):
+class _Recorder(Watch):
     """Notes what every ray of one pixel meets."""
 
     def __init__(self, scene: Scene, pixel: int):
@@ -33,31 +33,27 @@ class _Recorder(render.Watch):
         index, refracted = pick(collision.hit.index), None if wave.refracted is None else pick(wave.refracted)
         columns = [pick(c) for c in (collision.hit.t, collision.point, collision.normal, collision.lights_reached,
                                      collision.color)]
-        for k, (t, point, normal, lights, color) in enumerate(zip(*columns)):
-            hit = index[k] < self.world.object_count
+        for k, values in enumerate(zip(*columns, weight[mine])):
             kind = "camera" if wave.generation == 0 else \
                 "refraction" if refracted is not None and refracted[k] else "reflection"
-            self.rays.append(Ray(
-                generation=wave.generation, kind=kind, object=name_of(self.scene, int(index[k])) if hit else None,
-                t=float(t) if hit else None, point=triple(point) if hit else None, normal=triple(normal) if hit else None,
-                lights=int(lights) if hit else None, weight=float(weight[mine[k]]), color=triple(color)))
+            met = int(index[k]) if index[k] < self.world.object_count else None
+            self.rays.append(ray_of(self.scene, wave.generation, kind, met, *values))
 
 
-def ours(scene: Scene, row: int, col: int, method: str, title: str) -> History:
-    """The rays of pixel (row, col) as the reference traces them."""
-    recorder = _Recorder(scene, row * scene.camera.width + col)
-    render.render(scene, method, watch=recorder)
+def ours(renderer: Renderer, row: int, col: int, title: str) -> History:
+    """The rays of pixel (row, col) as the reference tracer traces them."""
+    recorder = _Recorder(renderer.scene, row * renderer.scene.camera.width + col)
+    renderer.picture(watch=recorder)
     return shortened(title, recorder.rays)
 
 
-def of_planes(picture: render.Picture, row: int, col: int, title: str) -> History:
+def of_planes(picture: Picture, row: int, col: int, title: str) -> History:
     """The camera's ray through the pixel's centre, from a picture's planes."""
     hit = int(picture.index[row, col]) >= 0
-    finite = lambda plane: triple(plane[row, col]) if hit and np.isfinite(plane[row, col]).all() else None
+    finite = lambda plane: plane[row, col].tolist() if hit and np.isfinite(plane[row, col]).all() else None
     return History(renderer=title, rays=[Ray(
         generation=0, kind="camera", object=name_of(picture.scene, int(picture.index[row, col])) if hit else None,
-        t=float(picture.t[row, col]) if hit and np.isfinite(picture.t[row, col]) else None,
-        point=finite(picture.position), normal=finite(picture.normal), color=None)],
+        t=finite(picture.t), point=finite(picture.position), normal=finite(picture.normal), color=None)],
         note="it tells no more than the first hit and the pixel's colour")
 
 
@@ -66,8 +62,11 @@ def name_of(scene: Scene, index: int) -> str:
     return obj.name or f"{obj.surface.type} {index + 1}"
 
 
-def triple(values) -> tuple[float, float, float]:
-    return tuple(float(v) for v in values)
+def ray_of(scene: Scene, generation: int, kind: str, met: int | None, t, point, normal, lights, color, weight) -> Ray:
+    """A ray from numbers of NumPy; `met` is the object it hit, None for none."""
+    hit = {} if met is None else {"object": name_of(scene, met), "t": float(t), "point": point.tolist(),
+                                  "normal": normal.tolist(), "lights": int(lights)}
+    return Ray(generation=generation, kind=kind, weight=float(weight), color=color.tolist(), **hit)
 
 
 def shortened(title: str, rays: list[Ray]) -> History:

@@ -1,19 +1,21 @@
-"""What attributions say, as documents hold it."""
+"""What attributions say; the document of faults made on purpose, `attribution.json`."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Literal
 
 from pydantic import Field
 
+from .. import document
 from ..document import Record
 
 Stage = Literal["camera", "hit", "root", "normal", "shading", "shadow", "reflection", "refraction", "mixing", "sampling"]
-STAGES: tuple[Stage, ...] = ("camera", "hit", "root", "normal", "shading", "shadow", "reflection", "refraction",
-                             "mixing", "sampling")
-Outcome = Literal["agrees", "diverges", "not asked"]
+STAGES: tuple[Stage, ...] = Stage.__args__
+State = Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
 
 FILE = "attribution.json"
+COMMAND = "raytruth attribute --wrong-on-purpose"
 
 
 class Evidence(Record):
@@ -22,7 +24,7 @@ class Evidence(Record):
     stage: Stage
     questions: list[str] = Field([], description="the derived scenes, in a few words; none where the scene has no such "
                                  "stage, or an earlier one diverged")
-    outcome: Outcome
+    outcome: Literal["agrees", "diverges", "not asked"]
     pixels: int = Field(0, description="pixels that could be judged")
     diverging: int = Field(0, description="those apart by more than their bound, and by nothing an earlier stage explains")
     largest: float | None = Field(None, description="the largest difference among the diverging pixels")
@@ -44,7 +46,7 @@ class Ray(Record):
 
 
 class History(Record):
-    """All rays of one pixel on one side."""
+    """All rays of one pixel in one renderer."""
 
     renderer: str
     rays: list[Ray]
@@ -52,7 +54,7 @@ class History(Record):
 
 
 class WorstPixel(Record):
-    """A pixel that diverges most, followed on both sides."""
+    """A pixel that diverges most, followed through both renderers."""
 
     row: int
     col: int
@@ -79,17 +81,17 @@ class Attribution(Record):
 
 
 class Judged(Record):
-    """What a child process finds."""
+    """What a worker finds."""
 
     found: bool | None = Field(description="whether the comparison of the pictures differs; None: not asked")
     reason: str = Field(description="the comparison's reason")
     attribution: Attribution
 
 
-class Made(Record):
+class Answer(Record):
     """What became of a task; `judged` is there if `state` is "ok"."""
 
-    state: Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
+    state: State
     message: str = ""
     judged: Judged | None = None
 
@@ -99,7 +101,7 @@ class Judgement(Record):
 
     renderer: str
     title: str
-    state: Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
+    state: State
     message: str = ""
     found: bool | None = Field(None, description="whether the comparison with this renderer alone differs")
     reason: str = Field("", description="the comparison's reason")
@@ -112,8 +114,8 @@ class WrongOnPurpose(Record):
     id: str
     title: str
     effect: str = Field(description="the scene of one effect that it is shown on")
-    right: str = Field(description="the passage of the source; empty for the tracer as it is")
-    wrong: str = Field(description="what stands there instead")
+    right: str = Field(description="the formula; empty for the tracer as it is")
+    wrong: str = Field(description="what is computed instead")
     expected: Stage | None = Field(description="the stage that must be named")
     because: str
     judgements: list[Judgement]
@@ -121,9 +123,9 @@ class WrongOnPurpose(Record):
     @property
     def holds(self) -> bool:
         """Whether every renderer that could judge found the fault and named its stage; none is found where none is."""
-        asked = [j for j in self.judgements if j.state == "ok"]
-        return bool(asked) and all(j.found == (self.expected is not None) and j.attribution.stage == self.expected
-                                   for j in asked)
+        able = [j for j in self.judgements if j.state == "ok"]
+        return bool(able) and all(j.found == (self.expected is not None) and j.attribution.stage == self.expected
+                                  for j in able)
 
 
 class Table(Record):
@@ -134,3 +136,8 @@ class Table(Record):
     height: int
     rows: list[WrongOnPurpose]
     command: str
+
+
+def read(folder: Path) -> Table:
+    """The table in `folder`. Raises InputError in one line."""
+    return document.read(folder / FILE, Table, COMMAND)

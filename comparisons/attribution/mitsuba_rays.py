@@ -9,8 +9,8 @@ from converters.mitsuba.variant import dr, mi
 from reference_tracer.scene.model import Scene
 
 from ..renderers.mitsuba import _Rays, _Tracer
-from .history import name_of, shortened, triple
-from .records import History, Ray
+from .document import History, Ray
+from .rays import ray_of, shortened
 
 
 def rays(scene: Scene, row: int, col: int, title: str, shapes: str, resolution: int) -> History:
@@ -30,19 +30,20 @@ class _Recording(_Tracer):
 
     def _collide(self, rays: _Rays):
         hit, color, unsure, secondary = super()._collide(rays)
-        numpy = lambda array: np.broadcast_to(np.atleast_1d(array.numpy()).T, (dr.width(rays.slot), *np.atleast_1d(
-            array.numpy()).T.shape[1:]))
+        count = dr.width(rays.slot)
+
+        def numpy(array):
+            columns = np.atleast_1d(array.numpy()).T
+            return np.broadcast_to(columns, (count, *columns.shape[1:]))
+
         weight, met, index = numpy(rays.weight), numpy(hit.met), numpy(hit.index)
         t, point, normal, own = numpy(hit.t), numpy(hit.p), numpy(hit.normal), numpy(mi.Vector3f(color))
         lights = numpy(self._lights_reached(hit, rays))
         kinds = self._kinds(rays)
         for k in np.flatnonzero(weight > 0):
-            found = bool(met[k])
-            self.recorded.append(Ray(
-                generation=getattr(rays, "generation", 0), kind=kinds[k],
-                object=name_of(self.document, int(index[k])) if found else None, t=float(t[k]) if found else None,
-                point=triple(point[k]) if found else None, normal=triple(normal[k]) if found else None,
-                lights=int(lights[k]) if found else None, weight=float(weight[k]), color=triple(own[k])))
+            self.recorded.append(ray_of(self.document, getattr(rays, "generation", 0), kinds[k],
+                                        int(index[k]) if met[k] else None, t[k], point[k], normal[k], lights[k], own[k],
+                                        weight[k]))
         return hit, color, unsure, secondary
 
     def _lights_reached(self, hit, rays: _Rays):
