@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-from comparisons.bench.results import Clock
+from comparisons.bench.document import Clock
 from comparisons.charting.frontier import frontier
 from comparisons.charting.results import Chart, Growth, Point, Series, Subject, Times
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Literal
 
-from ..bench.results import Clock
+from ..bench.document import Clock
 from .results import Point, Series
 
 FEW = 10  # wrong pixels: where other renderers are asked for as good a picture

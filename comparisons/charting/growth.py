@@ -15,7 +15,7 @@ from reference_tracer.surfaces.expression import Expression
 from reference_tracer.surfaces.plane import Plane
 from reference_tracer.surfaces.sphere import Sphere
 
-from ..bench.groups.objects import spheres
+from ..bench.cases import spheres
 
 Second = Literal["error", "efficiency", "memory", "rays", "evaluations"]
 

@@ -9,7 +9,7 @@ from typing import Literal
 from pydantic import Field
 
 from .. import document
-from ..bench.results import Clock, Spread
+from ..bench.document import Clock, Spread
 from ..bench.timing import QUIET
 from ..document import Record
 from ..results import BROKEN, Machine, State

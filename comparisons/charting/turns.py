@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 
-from ..bench.results import Spread
+from ..bench.document import Spread
 from ..bench.timing import spread
 from .results import Times
 from .team import Answer

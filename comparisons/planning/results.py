@@ -9,7 +9,7 @@ from typing import Literal
 from pydantic import Field
 
 from .. import document
-from ..bench.results import Clock, Seconds, Spread
+from ..bench.document import Clock, Seconds, Spread
 from ..document import Record
 from ..execution.machine import machine
 from ..results import Machine, State

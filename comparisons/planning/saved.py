@@ -7,7 +7,7 @@ from collections.abc import Callable
 from reference_tracer.render import Picture, Renderer, render
 from reference_tracer.scene.model import Scene
 
-from ..bench.timing import QUIET, Contestant, take_turns, timed
+from ..bench.timing import QUIET, Contestant, interleave, timed
 from .results import Ratio, Saved
 from .yardstick import COLOUR
 
@@ -34,7 +34,7 @@ def measure(written: Scene, planned: Scene, turns: int = TURNS) -> Saved:
             return cost
         return Contestant(name, run)
 
-    measured = take_turns([contestant(name) for name in work], turns, BUDGET)
+    measured = interleave([contestant(name) for name in work], turns, BUDGET)
     clock = "wall" if measured.others < QUIET else "cpu"
 
     def ratio(slow: str, fast: str) -> Ratio:

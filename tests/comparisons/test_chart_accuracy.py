@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from comparisons.bench.results import Spread
+from comparisons.bench.document import Spread
 from comparisons.charting.accuracy import OTHER_ROOT, accuracy, uncertainty
 from comparisons.charting.findings import findings
 from comparisons.charting.frontier import frontier

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from report_support import HOSTILE
 
-from comparisons.bench.results import Seconds, Spread
+from comparisons.bench.document import Seconds, Spread
 from comparisons.execution import store
 from comparisons.planning import results
 from comparisons.planning.results import DecisionRecord, MeshTrial, Plan, Proof, Ratio, Saved, Trial

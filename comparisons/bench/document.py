@@ -1,4 +1,4 @@
-"""The ratios that were reached once: what falls below them has become slower."""
+"""What the benchmark leaves behind, a row for every ratio: `bench.json`; and what is accepted, `accepted.json`."""
 
 from __future__ import annotations
 
@@ -9,11 +9,61 @@ from pydantic import Field
 
 from .. import document
 from ..document import Record
-from ..results import Machine
-from .results import Bench, Row
+from ..results import Machine, State
 
-FILE = Path(__file__).with_name("accepted.json")
+FILE = "bench.json"
+ACCEPTED = Path(__file__).with_name("accepted.json")
 KEEPS = 0.85  # the share of an accepted ratio that a new one must reach; less is not explained by noise
+Clock = Literal["wall", "cpu"]
+
+
+class Spread(Record):
+    """A number that was measured several times."""
+
+    median: float
+    low: float
+    high: float
+
+
+class Seconds(Record):
+    """The median times of one contestant."""
+
+    wall: float
+    cpu: float = Field(description="of all its threads together")
+    first: float | None = Field(None, description="wall time of the run before the turns, in which kernels compile")
+
+
+class Row(Record):
+    """One bar and what was measured against it."""
+
+    key: str = Field(description="group, case and, where a case has several rows, which of them")
+    what: str = Field(description="what is divided by what")
+    unit: Literal["x", "s", "GiB"] = "x"
+    bar: float | None = Field(None, description="None: only for information")
+    sense: Literal[">=", "<="] = ">="
+    clock: Clock | None = Field(None, description="the clock that decides; None where the value is no time")
+    wall: Spread | None = None
+    cpu: Spread | None = None
+    value: float | None = Field(None, description="by which the row is judged: the median of the deciding clock")
+    holds: bool | None = None
+    turns: int = 0
+    others: float | None = Field(None, description="cores that other programs of the machine kept busy meanwhile")
+    seconds: dict[str, Seconds] = {}
+    picture: str = Field("", description="size of the pictures: ratios of other sizes are other ratios")
+    note: str = ""
+    state: State = "ok"
+    message: str = ""
+    command: str = ""
+
+
+class Bench(Record):
+    """Everything that was measured in one run."""
+
+    version: Literal[1] = 1
+    created: str
+    seconds: float
+    machine: Machine
+    rows: list[Row]
 
 
 class Reached(Record):
@@ -27,6 +77,8 @@ class Reached(Record):
 
 
 class Accepted(Record):
+    """The ratios that were reached once: what falls below them has become slower."""
+
     version: Literal[1] = 1
     created: str
     machine: Machine
@@ -42,12 +94,12 @@ class Fall(Record):
     share: float = Field(description="how much of the accepted speed is left")
 
 
-def read(path: Path) -> Accepted:
+def read_accepted(path: Path) -> Accepted:
     """Raises InputError where there is none."""
     return document.read(path, Accepted, "python -m comparisons.bench --accept")
 
 
-def write(bench: Bench, earlier: Accepted | None, path: Path) -> Path:
+def accept(bench: Bench, earlier: Accepted | None, path: Path) -> Path:
     """Accepts the rows of `bench`; rows of `earlier` that were not measured now stay."""
     rows = dict(earlier.rows) if earlier else {}
     rows |= {row.key: _reached(row) for row in bench.rows if row.value is not None}
