@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import drjit as dr
 
 from reference_tracer.errors import InputError
-from reference_tracer.secondary import Optics, Refraction
-from reference_tracer.world import World
+from reference_tracer.tracer.optics import Optics, Refraction
+from reference_tracer.tracer.world import World
 
 from .document import Stage
 
@@ -62,7 +62,7 @@ class FallingOff(Optics):
 
 
 class ShadowOnce(Optics):
-    def transmittance(self, intensity, transparency, crossings):
+    def attenuated(self, intensity, transparency, crossings):
         return dr.select(crossings > 0, intensity * transparency, intensity)
 
 

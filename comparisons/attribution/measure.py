@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from reference_tracer.render import Picture, Renderer
+from reference_tracer.tracer.render import Picture, Renderer
 from reference_tracer.scene import library
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene

@@ -28,8 +28,8 @@ class _Recording(_Tracer):
         super().__init__(*arguments)
         self.recorded: list[Ray] = []
 
-    def _collide(self, rays: _Rays):
-        hit, color, unsure, secondary = super()._collide(rays)
+    def _interact(self, rays: _Rays):
+        hit, color, unsure, secondary = super()._interact(rays)
         count = dr.width(rays.slot)
 
         def numpy(array):

@@ -11,8 +11,8 @@ from comparisons.execution import pool
 from comparisons.execution.pool import Pool
 from comparisons.results import Gate
 from reference_tracer.scene import library
-from reference_tracer.secondary import Optics
-from reference_tracer.world import World
+from reference_tracer.tracer.optics import Optics
+from reference_tracer.tracer.world import World
 
 SCENE = library.scene("effect-mixing").resized(40, 30)
 CRASH = (sys.executable, "-c", "import os, sys; sys.stdin.readline(); os.abort()")

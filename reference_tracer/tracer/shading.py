@@ -13,7 +13,7 @@ ROUNDING_OF_LENGTHS = 16  # units of rounding in the square of a normalised vect
 
 
 @dataclass
-class Collision:
+class Interaction:
     """One ray's answer: its own colour, and the secondary rays with the weight each has in it.
 
     A weight is None where no object of the scene makes such rays.
@@ -40,7 +40,7 @@ class Collision:
         return self.hit.undecided | ~self.smooth | (self.lights_undecided > 0)
 
 
-def collide(world: World, ray: Ray, active) -> Collision:
+def interact(world: World, ray: Ray, active) -> Interaction:
     """Traces `ray` to its first hit and shades it (sections 4.1 to 4.3.4).
 
     pointColor = (visibleColor (1 - R) + R reflectionColor) (1 - T) + T refractionColor, written as a sum with the
@@ -67,19 +67,19 @@ def collide(world: World, ray: Ray, active) -> Collision:
     color = dr.select(met, material.color * illumination * local_weight, dr.select(active, background, 0))
 
     hit.undecided &= active
-    collision = Collision(hit, point, normal, color, smooth, asked, reached, unsure, *[None] * 6)
+    interaction = Interaction(hit, point, normal, color, smooth, asked, reached, unsure, *[None] * 6)
     if world.reflective or world.transparent:
-        collision.reflected = dr.normalize(world.optics.reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
-        collision.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
+        interaction.reflected = dr.normalize(world.optics.reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
+        interaction.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
         if not world.traces["reflection"]:
-            collision.color += background * collision.reflected_weight
-            collision.reflected_weight = Float(0)
+            interaction.color += background * interaction.reflected_weight
+            interaction.reflected_weight = Float(0)
     if world.transparent:
         if world.traces["refraction"]:
-            _add_refraction(world, ray, collision, material, cos1, met)
+            _add_refraction(world, ray, interaction, material, cos1, met)
         else:
-            collision.color += background * dr.select(met, T, 0)
-    return collision
+            interaction.color += background * dr.select(met, T, 0)
+    return interaction
 
 
 @dr.syntax
@@ -99,7 +99,7 @@ def _illumination(world: World, ray: Ray, point, normal, active):
         cos = dr.dot(shadow_dir, normal)
         faces = active & (cos > 0)
         # the shadow ray starts on the side the ray came from, like the reflection ray (M3)
-        intensity, unsure = world.light_through(Ray(point, shadow_dir, ray.sides), distance, faces)
+        intensity, unsure = world.transmittance(Ray(point, shadow_dir, ray.sides), distance, faces)
         total += brightness * world.optics.light(cos, intensity, distance)
         asked += dr.select(faces, UInt(1), 0)
         reached += dr.select(faces & (intensity > 0), UInt(1), 0)
@@ -108,16 +108,16 @@ def _illumination(world: World, ray: Ray, point, normal, active):
     return total, asked, reached, undecided
 
 
-def _add_refraction(world: World, ray: Ray, collision: Collision, material: Material, cos1, met):
+def _add_refraction(world: World, ray: Ray, interaction: Interaction, material: Material, cos1, met):
     """Section 4.3.3, pairwise with air: which medium the ray comes from follows from its side (decision R1)."""
     T, n = material.transparency, material.refractive_index
-    leaving = ray.sides.test(collision.hit.index)
+    leaving = ray.sides.test(interaction.hit.index)
     n1, n2 = dr.select(leaving, n, 1), dr.select(leaving, 1, n)
     as_printed = world.scene.tracing.refraction == "as_printed"
-    refraction = world.optics.refract(ray.d, collision.normal, cos1, n1, n2, as_printed)
+    refraction = world.optics.refract(ray.d, interaction.normal, cos1, n1, n2, as_printed)
     # total internal reflection keeps the weight T; the direction it shares with the reflection is traced once (R3)
-    collision.total_reflection = met & refraction.total
-    collision.reflected_weight += dr.select(collision.total_reflection, T, 0)
-    collision.refracted_weight = dr.select(met & ~refraction.total, T, 0)
-    collision.refracted = dr.normalize(refraction.direction)
-    collision.refracted_sides = ray.sides.flipped(dr.select(met, collision.hit.index, 0))
+    interaction.total_reflection = met & refraction.total
+    interaction.reflected_weight += dr.select(interaction.total_reflection, T, 0)
+    interaction.refracted_weight = dr.select(met & ~refraction.total, T, 0)
+    interaction.refracted = dr.normalize(refraction.direction)
+    interaction.refracted_sides = ray.sides.flipped(dr.select(met, interaction.hit.index, 0))

@@ -8,14 +8,14 @@ from functools import cached_property
 
 import drjit as dr
 
-from . import first_hit
-from .backend import Backend
+from .. import first_hit
+from ..backend import Backend
+from ..scene.model import EFFECTS, Scene
+from ..scene.placement import is_inside
 from .camera import canvas_point, frame
 from .families import Family, Member
-from .placement import is_inside
+from .optics import Optics
 from .rays import Hit, Ray, Sides
-from .scene.model import EFFECTS, Scene
-from .secondary import Optics
 from .ties import Margin, first_of_tied
 
 
@@ -30,7 +30,7 @@ class Material:
 
 
 class World:
-    """A scene bound to array types and to a first-hit method; `nearest`, `normal`, `light_through` are its queries.
+    """A scene bound to array types and to a first-hit method; `nearest`, `normal`, `transmittance` are its queries.
 
     A subclass, with `optics` or queries of its own, is another tracer: `render.Renderer` takes it.
     """
@@ -118,7 +118,7 @@ class World:
 
     @cached_property
     def _brightest(self) -> float:
-        """No ray returns more in any channel: weights of a collision never add up to more than 1."""
+        """No ray returns more in any channel: weights of a interaction never add up to more than 1."""
         light = [sum(light.brightness[k] for light in self.scene.lights) for k in range(3)]
         return max(max(max(self.scene.background[k], *(o.material.color[k] * light[k] for o in self.scene.objects))
                        for k in range(3)), 1e-300)
@@ -147,7 +147,7 @@ class World:
     def least_weight(self, generation: int):
         """Rays of `generation` at or below this weight in their pixel are not traced (`cutoff` of the scene).
 
-        A ray left out in generation g changes its pixel by at most cutoff / 2^g. Every collision has two secondary rays
+        A ray left out in generation g changes its pixel by at most cutoff / 2^g. Every interaction has two secondary rays
         at most, so that over all rays left out 1 / 2^g adds up to no more than 1 (Kraft's inequality).
         """
         return self._least_weights[generation]
@@ -234,7 +234,7 @@ class World:
         gradient /= size
         return dr.select(size >= dr.smallest(self.arrays.Float), gradient / dr.norm(gradient), dr.nan)
 
-    def light_through(self, ray: Ray, distance, active):
+    def transmittance(self, ray: Ray, distance, active):
         """The part of a light's intensity that reaches the ray's origin from `distance` away (section 4.3.1, L3).
 
         Every crossing multiplies by the transparency of the object crossed. Returns (Float, Bool undecided).
@@ -265,6 +265,6 @@ class World:
             opaque = self.arrays.Bool(True)
         count, unsure = family.method.crossings(member.solid, member.local(ray.o, ray.d),
                                                 ray.sides.test(member.index), distance, opaque)
-        left = (self.optics.transmittance(intensity, transparency, count) if self.transparent
+        left = (self.optics.attenuated(intensity, transparency, count) if self.transparent
                 else dr.select(count > 0, 0, intensity))
         return left, undecided | unsure

@@ -48,7 +48,7 @@ class Optics:
         """The illumination per brightness from a light at `distance`, of which `intensity` arrives (L1, L2)."""
         return dr.select(intensity > 0, cos * intensity, 0)
 
-    def transmittance(self, intensity, transparency, crossings):
+    def attenuated(self, intensity, transparency, crossings):
         """What is left of `intensity` behind an object whose surface was crossed so often (decision L3)."""
         return _multiply_repeatedly(intensity, transparency, crossings)
 
