@@ -11,7 +11,7 @@ from comparisons.charting import results as charting
 from comparisons.document import Record
 from comparisons.planning import results as planning
 from comparisons.stability import results as stability
-from comparisons.transport import results as transport
+from comparisons.transport import document as transport
 
 READERS: dict[str, Callable[[Path], Record]] = {
     agreement.FILE: agreement.read, stability.FILE: stability.read, transport.FILE: transport.read, planning.FILE: planning.read,

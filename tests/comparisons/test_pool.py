@@ -139,7 +139,7 @@ def test_what_a_worker_tells_on_its_way_is_passed_on(monkeypatch):
 # --- interruption ----------------------------------------------------------------------------------------------------
 SUITES = {
     "compare": "from comparisons import suite\nsuite.compare([SCENE], suite.Options(folder, with_studies=False))",
-    "transport": "from comparisons.transport import cases, suite\nsuite.run(cases.find([]), folder)",
+    "transport": "from comparisons.transport import cases, measure\nmeasure.run(cases.find([]), folder)",
     "stability": "from comparisons.stability import families, suite\nsuite.run(families.find([]), folder)",
     "attribute": "from comparisons.attribution.measure import wrong_on_purpose\nwrong_on_purpose(folder)",
     "chart": "from comparisons.charting import subjects, suite\nsuite.run(subjects.chosen([], False, (32, 24)), [], suite.Options(folder))",

@@ -40,7 +40,7 @@ class DecisionRecord(Record):
 
 
 class Proof(Record):
-    """The planned scene against the scene as written with exact intersections, on pixels that decided nothing."""
+    """The planned scene against the scene as written with exact intersections, on a sample: pixels that decided nothing."""
 
     pixels: int = Field(description="of the whole picture")
     held_back: int = Field(description="pixels that were not used to decide anything")
@@ -117,7 +117,7 @@ class Plan(Record):
     command: str
 
 
-class Made(Record):
+class Planning(Record):
     """What became of planning a scene; `plan` is there if `state` is "ok"."""
 
     state: State = "ok"

@@ -14,9 +14,8 @@ from pydantic import Field
 from .. import document
 from ..document import Record
 from ..results import Gate, Machine, State
-from .case import Effect
 
-VERSION = 1
+Effect = Literal["shading", "shadow", "reflection", "refraction", "total reflection", "mixing", "multisampling"]
 FILE = "transport.json"
 FOLDER = "transport"
 COMMAND = "raytruth transport"
@@ -51,7 +50,7 @@ class CaseRecord(Record):
 class Transport(Record):
     """The whole document."""
 
-    version: Literal[1] = VERSION
+    version: Literal[1] = 1
     created: str
     seconds: float
     machine: Machine
