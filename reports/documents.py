@@ -9,7 +9,7 @@ from comparisons.agreement import records as agreement
 from comparisons.attribution import document as attribution
 from comparisons.charting import results as charting
 from comparisons.document import Record
-from comparisons.planning import results as planning
+from comparisons.planning import document as planning
 from comparisons.stability import results as stability
 from comparisons.transport import document as transport
 

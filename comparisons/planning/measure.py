@@ -75,7 +75,7 @@ def _settled(kept: Store, task: Task, answer: dict) -> Planning:
 def answer(arguments: dict) -> dict:
     """In a worker: plans a scene, and writes its pictures."""
     found = plan(parse_scene(arguments["scene"].encode(), "scene"), arguments["tolerance"],
-                         limit=arguments["limit"], with_mesh=arguments["with_mesh"], progress=tell)
+                 limit=arguments["limit"], with_mesh=arguments["with_mesh"], progress=tell)
     store.save(Path(arguments["planes"]), color=to_8_bit(found.color), change=found.change.astype(np.float32))
     return {"state": "ok", "plan": found.plan.model_dump(mode="json")}
 
@@ -125,8 +125,8 @@ def plan(scene: Scene, tolerance: float, *, limit: float = LIMIT, turns: int = T
         scene=scene.name, title=scene.title, figure=scene.figure, hash=scene.hash, width=camera.width,
         height=camera.height, samples=scene.tracing.samples, tolerance=tolerance, margin=margin, attempts=attempts,
         seconds=round(seconds, 3), cpu_seconds=round(cpu, 3), decisions=[d.record() for d in attempt.decisions],
-        proof=attempt.proof,
-        saved=saved(scene, planned, turns), meshes=mesh_trials(scene, yardstick, held_back) if with_mesh else [],
+        proof=attempt.proof, saved=saved(scene, planned, turns),
+        meshes=mesh_trials(scene, yardstick, held_back) if with_mesh else [],
         planned=planned.model_dump(mode="json", by_alias=True, exclude_none=True),
         command=f"{COMMAND} {scene.name} --tolerance {tolerance:g}")
     return Planned(plan, attempt.color, attempt.change)
