@@ -7,7 +7,7 @@ from pathlib import Path
 
 from comparisons.agreement import records as agreement
 from comparisons.attribution import document as attribution
-from comparisons.charting import results as charting
+from comparisons.charting import document as charting
 from comparisons.document import Record
 from comparisons.planning import document as planning
 from comparisons.stability import results as stability

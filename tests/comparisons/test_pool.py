@@ -142,7 +142,7 @@ SUITES = {
     "transport": "from comparisons.transport import cases, measure\nmeasure.run(cases.find([]), folder)",
     "stability": "from comparisons.stability import families, suite\nsuite.run(families.find([]), folder)",
     "attribute": "from comparisons.attribution.measure import wrong_on_purpose\nwrong_on_purpose(folder)",
-    "chart": "from comparisons.charting import subjects, suite\nsuite.run(subjects.chosen([], False, (32, 24)), [], suite.Options(folder))",
+    "chart": "from comparisons.charting import cases, measure\nmeasure.run(cases.chosen([], False, (32, 24)), [], measure.Options(folder))",
     "plan": "from comparisons.planning import measure\nlist(measure.run([SCENE], 1e-3, folder))",
 }
 

@@ -6,17 +6,16 @@ import resource
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
 
 import drjit as dr
 import numpy as np
 
 from reference_tracer.backend import use_threads
-from reference_tracer.tracer.camera_rays import camera_rays
 from reference_tracer.errors import UnsupportedError
 from reference_tracer.first_hit import Crossing
-from reference_tracer.tracer.render import Picture, Renderer
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.camera_rays import camera_rays
+from reference_tracer.tracer.render import Picture, Renderer
 from reference_tracer.tracer.world import World
 
 from .. import renderers
@@ -27,7 +26,7 @@ LARGEST_STEP = 1000.0  # of the scene format
 
 
 @dataclass
-class Made:
+class Run:
     """A picture with its cost. `build` is in wall seconds, None where nothing is converted."""
 
     picture: Picture
@@ -36,20 +35,18 @@ class Made:
     program_kib: int = 0  # peak memory of programs that were run
 
 
-class Competitor(Protocol):
+class Competitor:
     """What is measured, bound to a scene."""
 
-    def first(self) -> Made:
-        """The picture that is judged."""
-
-    def warm(self) -> Made:
-        """The same once more, for its time."""
+    def run(self, warm: bool = False) -> Run:
+        """The picture that is judged; `warm`: once more, for its time."""
+        raise NotImplementedError
 
     def first_hits(self) -> Cost | None:
         """The camera rays' first hits alone, warm; None where they cannot be had apart."""
 
     def evaluations(self) -> float | None:
-        """Of f, a camera ray."""
+        """Of f, a camera ray; None where they cannot be counted."""
 
 
 def competitor(scene: Scene, renderer: str, settings: dict, timed_settings: dict, truth: Path | None,
@@ -68,7 +65,7 @@ def competitor(scene: Scene, renderer: str, settings: dict, timed_settings: dict
     return Ours(scene, method, threads=threads, **settings)
 
 
-class Ours:
+class Ours(Competitor):
     """A first-hit method of the reference tracer; what is recorded for the first picture is replayed for the others."""
 
     def __init__(self, scene: Scene, method: str, precision: int = 64, threads: int | None = None, **tracing):
@@ -78,17 +75,11 @@ class Ours:
         self._find = dr.freeze(self._nearest, warn_after=1 << 30)
         self._rays = None
 
-    def first(self) -> Made:
-        return self._picture(lambda run: timed(run))
-
-    def warm(self) -> Made:
-        return self._picture(repeatedly)
-
-    def _picture(self, clock: Callable) -> Made:
+    def run(self, warm: bool = False) -> Run:
         use_threads(self.threads)
         pictures = []
-        cost = clock(lambda: pictures.append(self.renderer.picture()))
-        return Made(pictures[-1], cost)
+        cost = (repeatedly if warm else timed)(lambda: pictures.append(self.renderer.picture()))
+        return Run(pictures[-1], cost)
 
     def first_hits(self) -> Cost:
         use_threads(self.threads)
@@ -138,35 +129,22 @@ class Counted:
         return self.base.crossings(*arguments)
 
 
-class Other:
+class Other(Competitor):
     """Another renderer: built and traced anew every time, each apart."""
 
     def __init__(self, scene: Scene, name: str, settings: dict, timed_settings: dict):
-        self.scene, self.name, self.settings = scene, name, settings
-        self.timed_settings = {**settings, **timed_settings}
+        self.scene, self.name, self.settings, self.timed_settings = scene, name, settings, timed_settings
 
-    def first(self) -> Made:
-        return self._made(self.settings)
-
-    def warm(self) -> Made:
-        return self._made(self.timed_settings)
-
-    def _made(self, settings: dict) -> Made:
+    def run(self, warm: bool = False) -> Run:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        picture = renderers.render(self.name, self.scene, settings)
-        after, told = resource.getrusage(resource.RUSAGE_CHILDREN), picture.metadata
+        picture = renderers.render(self.name, self.scene, {**self.settings, **(self.timed_settings if warm else {})})
+        after, facts = resource.getrusage(resource.RUSAGE_CHILDREN), picture.metadata
         # a program's processor time is what the system says of it, starting included, a picture at a time
-        program = (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / told.get("pictures", 1)
-        return Made(picture, Cost(told["first"], program or told["cpu"]), told.get("build"), after.ru_maxrss)
-
-    def first_hits(self) -> None:
-        return None
-
-    def evaluations(self) -> None:
-        return None
+        program = (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / facts.get("pictures", 1)
+        return Run(picture, Cost(facts["first"], program or facts["cpu"]), facts.get("build"), after.ru_maxrss)
 
 
-class Oracle:
+class Oracle(Competitor):
     """Hands the truth through: the least that a picture can cost, and an accuracy that must come out perfect."""
 
     def __init__(self, scene: Scene, truth: Path):
@@ -174,25 +152,13 @@ class Oracle:
             self.planes = {name: file[name] for name in ("color", "t", "index")}
         self.scene = scene
 
-    def first(self) -> Made:
-        return self._copied(timed)
-
-    def warm(self) -> Made:
-        return self._copied(repeatedly)
-
-    def _copied(self, clock: Callable) -> Made:
+    def run(self, warm: bool = False) -> Run:
         copies = []
-        cost = clock(lambda: copies.append({name: plane.copy() for name, plane in self.planes.items()}))
+        cost = (repeatedly if warm else timed)(lambda: copies.append({name: plane.copy() for name, plane in self.planes.items()}))
         color, index = copies[-1]["color"], copies[-1]["index"]
         unknown = np.full(color.shape, np.nan)
-        return Made(Picture(**copies[-1], position=unknown, normal=unknown, depth=np.zeros(index.shape, np.uint8),
-                            status=(index >= 0).astype(np.uint8), scene=self.scene), cost)
-
-    def first_hits(self) -> None:
-        return None
-
-    def evaluations(self) -> None:
-        return None
+        return Run(Picture(**copies[-1], position=unknown, normal=unknown, depth=np.zeros(index.shape, np.uint8),
+                           status=(index >= 0).astype(np.uint8), scene=self.scene), cost)
 
 
 def repeatedly(work: Callable[[], object]) -> Cost:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from statistics import mean
 from typing import Literal
@@ -14,7 +15,6 @@ from ..bench.timing import QUIET
 from ..document import Record
 from ..results import BROKEN, Machine, State
 
-VERSION = 1
 FILE = "chart.json"
 FOLDER = "chart"
 COMMAND = "raytruth chart"
@@ -133,7 +133,7 @@ class Growth(Record):
 class Chart(Record):
     """The whole document."""
 
-    version: Literal[1] = VERSION
+    version: Literal[1] = 1
     created: str
     seconds: float
     machine: Machine
@@ -174,3 +174,12 @@ def keep(chart: Chart, folder: Path, fresh: bool = False) -> Chart:
 def read(folder: str | Path) -> Chart:
     """The document in `folder`. Raises InputError in one line."""
     return document.read(Path(folder) / FILE, Chart, COMMAND)
+
+
+def frontier(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Of points (cost, error) those that no other one equals or beats in both (Pareto), by rising cost and falling error."""
+    best: list[tuple[float, float]] = []
+    for cost, error in sorted(set(points)):
+        if not best or error < best[-1][1]:
+            best.append((cost, error))
+    return best
