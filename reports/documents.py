@@ -10,7 +10,7 @@ from comparisons.attribution import document as attribution
 from comparisons.charting import document as charting
 from comparisons.document import Record
 from comparisons.planning import document as planning
-from comparisons.stability import results as stability
+from comparisons.stability import document as stability
 from comparisons.transport import document as transport
 
 READERS: dict[str, Callable[[Path], Record]] = {

@@ -140,7 +140,7 @@ def test_what_a_worker_tells_on_its_way_is_passed_on(monkeypatch):
 SUITES = {
     "compare": "from comparisons import suite\nsuite.compare([SCENE], suite.Options(folder, with_studies=False))",
     "transport": "from comparisons.transport import cases, measure\nmeasure.run(cases.find([]), folder)",
-    "stability": "from comparisons.stability import families, suite\nsuite.run(families.find([]), folder)",
+    "stability": "from comparisons.stability import cases, measure\nmeasure.run(cases.find([]), folder)",
     "attribute": "from comparisons.attribution.measure import wrong_on_purpose\nwrong_on_purpose(folder)",
     "chart": "from comparisons.charting import cases, measure\nmeasure.run(cases.chosen([], False, (32, 24)), [], measure.Options(folder))",
     "plan": "from comparisons.planning import measure\nlist(measure.run([SCENE], 1e-3, folder))",
