@@ -11,7 +11,7 @@ from typing import Literal
 from pydantic import Field
 
 from . import document
-from .attribution.records import Attribution
+from .attribution.document import Attribution
 from .document import Record
 from .execution.machine import Machine
 

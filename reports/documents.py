@@ -6,17 +6,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 from comparisons.agreement import records as agreement
-from comparisons.attribution import records as attribution
-from comparisons.attribution import table
-from comparisons.charting import results as charting
+from comparisons.attribution import document as attribution
+from comparisons.charting import document as charting
 from comparisons.document import Record
-from comparisons.planning import results as planning
-from comparisons.stability import results as stability
-from comparisons.transport import results as transport
+from comparisons.planning import document as planning
+from comparisons.stability import document as stability
+from comparisons.transport import document as transport
 
 READERS: dict[str, Callable[[Path], Record]] = {
     agreement.FILE: agreement.read, stability.FILE: stability.read, transport.FILE: transport.read, planning.FILE: planning.read,
-    attribution.FILE: table.read, charting.FILE: charting.read}
+    attribution.FILE: attribution.read, charting.FILE: charting.read}
 
 
 def read_all(folder: Path) -> dict[str, Record]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from comparisons.attribution import records as attribution
-from comparisons.attribution.records import Judgement, WrongOnPurpose
+from comparisons.attribution import document as attribution
+from comparisons.attribution.document import Judgement, WrongOnPurpose
 from comparisons.results import SceneRecord
-from comparisons.transport import results as transport
-from comparisons.transport.results import CaseRecord
+from comparisons.transport import document as transport
+from comparisons.transport.document import CaseRecord
 
 from .cases import Case
 from .names import slug

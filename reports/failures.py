@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from comparisons.stability.outcome import WRONG
-from comparisons.stability.results import FamilyRecord, Finding, MethodRecord, Point, Series, Stability
+from comparisons.stability.document import WRONG
+from comparisons.stability.document import FamilyRecord, Finding, MethodRecord, Point, Series, Stability
 
 from .law_plot import Law, laws
 from .names import slug

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from comparisons.stability.outcome import WRONG
-from comparisons.stability.results import FamilyRecord, LawRecord
+from comparisons.stability.document import WRONG
+from comparisons.stability.document import FamilyRecord, LawRecord
 
 from .axis import MOST_TICKS, LogAxis, LinearAxis, Tick, log_ticks, padded
 from .chart import MARKS

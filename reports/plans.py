@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from comparisons.planning.results import Plan, Plans
+from comparisons.planning.document import Plan, Plans
 
 from . import scale
 from .names import slug

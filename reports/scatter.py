@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from comparisons.charting.frontier import frontier
+from comparisons.charting.document import frontier
 
 from .axis import MOST_TICKS, LinearAxis, LogAxis, Tick, log_ticks, padded
 from .chart import MARKS

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
-from comparisons.bench.results import Clock
-from comparisons.charting.frontier import frontier
-from comparisons.charting.results import Chart, Growth, Point, Series, Subject, Times
+from comparisons.bench.document import Clock
+from comparisons.charting.document import Chart, Growth, Point, Series, Subject, Times, frontier
 
 from .names import slug
 from .numbers import parts

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from comparisons.verdicts.metrics import pixel_error
-from comparisons.transport.results import CaseRecord, Transport
+from comparisons.transport.document import CaseRecord, Transport
 from reference_tracer.tracer.image_files import to_8_bit
 
 from . import scale

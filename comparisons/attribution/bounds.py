@@ -74,7 +74,7 @@ class Bounds:
 
     def allows(self, index: np.ndarray) -> np.ndarray:
         """Where one of the 3 x 3 pixels around may see object `index`. (h, w)"""
-        return np.logical_or.reduce([seen == index for seen in self.objects])
+        return np.logical_or.reduce([met == index for met in self.objects])
 
 
 @lru_cache(maxsize=64)
@@ -101,12 +101,6 @@ def bounds(scene: Scene, accuracy: Accuracy) -> Bounds:
 
 def _around(planes: list[np.ndarray]):
     """The planes and all their shifts by a pixel, each different one once."""
-    seen = set()
-    for plane in planes:
-        padded, (h, w) = np.pad(plane, 1, mode="edge"), plane.shape
-        for i in range(3):
-            for j in range(3):
-                shifted = padded[i:i + h, j:j + w]
-                if (key := shifted.tobytes()) not in seen:
-                    seen.add(key)
-                    yield shifted
+    windows = (np.lib.stride_tricks.sliding_window_view(np.pad(plane, 1, mode="edge"), plane.shape) for plane in planes)
+    shifted = (window[i, j] for window in windows for i in range(3) for j in range(3))
+    return {plane.tobytes(): plane for plane in shifted}.values()

@@ -9,8 +9,8 @@ from reference_tracer.scene.model import Scene
 
 from ..execution.pool import Pool
 from ..results import Comparison, Run
-from .made import Task, make_all
-from .records import Attribution
+from .document import Attribution
+from .measure import Task, make_all
 
 LARGEST = 320  # pixels of the longer side are enough: a stage that fails does so at any size
 

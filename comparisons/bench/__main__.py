@@ -18,11 +18,13 @@ from pathlib import Path
 
 from reference_tracer.errors import InputError
 
-from .. import document
+from .. import document as documents
 from ..results import BROKEN
-from . import accepted, groups, suite, table
-from .options import Options
-from .results import FILE
+from . import cases, document, measure
+from .document import FILE, Bench, Fall, Row, Spread
+
+HEAD = (f"{'row':<50}{'value':>9}  {'bar':>9}  {'':5} {'wall (low to high)':<26}{'cpu (low to high)':<26}"
+        f"{'turns':>5}{'others':>7}  seconds")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -31,19 +33,18 @@ def main(arguments: list[str] | None = None) -> int:
         raise InputError(f"--size: must be WIDTHxHEIGHT or own; found {chosen.size!r}")
     if not 1 <= chosen.turns <= 1000:
         raise InputError(f"--turns: must be 1 to 1000; found {chosen.turns}")
-    options = Options(chosen.turns, chosen.size, chosen.clock, chosen.budget, chosen.quick)
-    before = accepted.read(accepted.FILE) if accepted.FILE.exists() else None
-    print(table.HEAD)
-    bench = suite.run(groups.find(chosen.only), options, chosen.scenes,
-                      tell=lambda row: print(table.line(row), flush=True))
+    options = cases.Options(chosen.turns, chosen.size, chosen.clock, chosen.budget, chosen.quick)
+    before = document.read_accepted(document.ACCEPTED) if document.ACCEPTED.exists() else None
+    print(HEAD)
+    bench = measure.run(cases.find(chosen.only), options, chosen.scenes, tell=lambda row: print(line(row), flush=True))
     partial = bool(chosen.only or chosen.scenes or chosen.size or chosen.quick)
     output = chosen.output or (None if partial else Path("results") / FILE)
     if output:
-        document.write(bench, output)
-    falls = accepted.falls(bench, before) if before else []
-    print(table.summary(bench, falls, output))
+        documents.write(bench, output)
+    falls = document.falls(bench, before) if before else []
+    print(summary(bench, falls, output))
     if chosen.accept:
-        accepted.write(bench, before, accepted.FILE)
+        document.accept(bench, before, document.ACCEPTED)
         return 0
     return 1 if falls or any(row.state in BROKEN for row in bench.rows) else 0
 
@@ -51,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("python -m comparisons.bench", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--only", nargs="+", default=[], metavar="GROUP", help=f"groups: {', '.join(groups.GROUPS)}")
+    parser.add_argument("--only", nargs="+", default=[], metavar="GROUP", help=f"groups: {', '.join(cases.GROUPS)}")
     parser.add_argument("--scenes", nargs="+", default=[], metavar="NAME", help="cases of these names only")
     parser.add_argument("--turns", type=int, default=5, help="how often each contestant runs (default 5)")
     parser.add_argument("--size", metavar="WxH", help="picture size of shipped scenes, or own for the scenes' own")
@@ -62,6 +63,37 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--accept", action="store_true", help="accept what is measured now")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="where to write the rows as JSON")
     return parser
+
+
+def line(row: Row) -> str:
+    """A row as text, under HEAD."""
+    if row.value is None:
+        return f"{row.key:<50}{row.state}: {row.message}"
+    verdict = {True: "holds", False: "FAILS", None: ""}[row.holds]
+    bar = "" if row.bar is None else f"{row.sense} {_short(row.bar)}"
+    seconds = ", ".join(f"{name} {s.wall:.3g}" for name, s in row.seconds.items())
+    others = "" if row.others is None else f"{row.others:.2f}"
+    clock = "" if row.clock is None else f" by {row.clock}"
+    remarks = "; ".join(filter(None, (seconds + clock, row.picture, row.note)))
+    return (f"{row.key:<50}{_short(row.value) + ' ' + row.unit:>9}  {bar:>9}  {verdict:5} {_spread(row.wall):<26}"
+            f"{_spread(row.cpu):<26}{row.turns:>5}{others:>7}  {remarks}")
+
+
+def summary(bench: Bench, falls: list[Fall], output: Path | None) -> str:
+    judged = [row for row in bench.rows if row.holds is not None]
+    lines = [f"{sum(row.holds for row in judged)} of {len(judged)} bars hold, {bench.seconds:.0f} s"
+             + (f"; written to {output}" if output else "")]
+    lines += [f"SLOWER: {fall.key}: {_short(fall.now)}, accepted was {_short(fall.accepted)}: "
+              f"{fall.share:.0%} of the speed is left" for fall in falls]
+    return "\n".join(lines)
+
+
+def _short(number: float) -> str:
+    return f"{number:.3g}" if abs(number) < 1000 else f"{number:.0f}"
+
+
+def _spread(spread: Spread | None) -> str:
+    return "" if spread is None else f"{_short(spread.median)} ({_short(spread.low)} to {_short(spread.high)})"
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Contestants take turns, so that whatever slows the machine down slows both; only ratios are compared.
+"""Runs of contestants are interleaved, so that whatever slows the machine down slows both; only ratios are compared.
 
 Wall time decides on a quiet machine. Where other programs kept the cores busy, the processor time of the contestants
 decides instead: it counts the work of all threads whether or not they had to wait for a core.
@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from .results import Clock, Row, Seconds, Spread
+from .document import Clock, Row, Seconds, Spread
 
 QUIET = 0.1  # cores: below this, other programs do not change a ratio by more than a few percent
 
@@ -65,7 +65,7 @@ def timed(work: Callable[[], object]) -> Cost:
     return Cost(time.perf_counter() - wall, time.process_time() - cpu)
 
 
-def take_turns(contestants: list[Contestant], turns: int, budget: float) -> Measured:
+def interleave(contestants: list[Contestant], turns: int, budget: float) -> Measured:
     """A B A B ...: every contestant `turns` times, fewer if that would take longer than `budget` seconds, but once."""
     first = {c.name: c.run().wall for c in contestants if c.compiles}
     costs: dict[str, list[Cost]] = {c.name: [] for c in contestants}
@@ -79,10 +79,15 @@ def take_turns(contestants: list[Contestant], turns: int, budget: float) -> Meas
     return Measured(costs, first, max(busy_elsewhere() - busy, 0) / (time.monotonic() - start))
 
 
+def deciding(clock: Clock | None, others: float) -> Clock:
+    """The clock that was chosen, else the one that can tell where `others` cores were busy elsewhere."""
+    return clock or ("wall" if others < QUIET else "cpu")
+
+
 def row(key: str, what: str, measured: Measured, slow: str, fast: str, bar: float | None, clock: Clock | None = None,
         **more) -> Row:
     """The row that says how many times longer `slow` took than `fast`, judged by `clock` (None: see above)."""
-    clock = clock or ("wall" if measured.others < QUIET else "cpu")
+    clock = deciding(clock, measured.others)
     wall, cpu = (measured.ratio(slow, fast, c) for c in ("wall", "cpu"))
     return judged(Row(key=key, what=what, bar=bar, clock=clock, wall=wall, cpu=cpu,
                       turns=len(measured.costs[fast]), others=round(measured.others, 3), seconds=measured.seconds(),

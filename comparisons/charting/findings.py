@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Literal
 
-from ..bench.results import Clock
-from .results import Point, Series
+from ..bench.document import Clock
+from .document import Point, Series
 
 FEW = 10  # wrong pixels: where other renderers are asked for as good a picture
 LITERAL, EXACT = "paper", "exact"  # ids of series
@@ -19,11 +19,11 @@ def findings(series: list[Series], clock: Clock) -> list[str]:
     """A sentence for each thing that the points show; none where they do not."""
     of_hits, of_picture = (lambda p: p.hits and getattr(p.hits, clock).median,
                            lambda p: p.picture and getattr(p.picture, clock).median)
-    told = [_against_the_step(series, "wrong", of_hits, "first hits cost {0:.3g} times less"),
-            _against_the_step(series, "wrong", lambda p: p.evaluations, "it evaluates f {0:.3g} times less often"),
-            _against_the_step(series, "visible", of_picture, "the whole picture costs {0:.3g} times less"),
-            _other_renderers(series, clock), _oracle(series)]
-    return [sentence for sentence in told if sentence]
+    sentences = [_against_the_step(series, "wrong", of_hits, "first hits cost {0:.3g} times less"),
+                 _against_the_step(series, "wrong", lambda p: p.evaluations, "it evaluates f {0:.3g} times less often"),
+                 _against_the_step(series, "visible", of_picture, "the whole picture costs {0:.3g} times less"),
+                 _other_renderers(series, clock), _oracle(series)]
+    return [sentence for sentence in sentences if sentence]
 
 
 def _points(series: list[Series], kind: str) -> Iterator[tuple[Series, Point]]:

@@ -1,4 +1,4 @@
-"""The truth of a scene: proven first hits, and how far rounding alone may move each pixel.
+"""The truth of a scene: proven first hits, and how far rounding alone may move each pixel; how accurate a picture is.
 
 A pixel that rounding decides (a silhouette or a shadow's edge runs through its ray) judges nobody.
 """
@@ -13,12 +13,14 @@ from reference_tracer.tracer.render import UNDECIDED, render
 from reference_tracer.scene.model import Scene
 from reference_tracer.tracer.sensitivity import SAFETY, UNIT, perturbed
 
-from ..verdicts.metrics import VISIBLE, largest_around
+from ..verdicts.metrics import VISIBLE, Planes, largest_around, pixel_error
+from .document import Accuracy, Uncertainty
 
 METHOD = "proof"
-TOLD = "interval arithmetic, outward rounded: what it says of a ray is a proof"
+ABOUT = "interval arithmetic, outward rounded: what it says of a ray is a proof"
 PROBES = 4
 ROUNDING = 2.0**-52
+OTHER_ROOT = 0.01  # a depth that is off by more, relative to max(1, t), is that of another root
 
 
 @dataclass(frozen=True)
@@ -55,3 +57,36 @@ def make(scene: Scene) -> Truth:
 def of_arrays(arrays: dict[str, np.ndarray]) -> Truth:
     """The truth from the arrays of a file. Raises TypeError."""
     return Truth(**{**arrays, "undecided": int(arrays["undecided"])})
+
+
+def accuracy(truth: Truth, planes: Planes) -> Accuracy:
+    """The picture's `planes` (color, t, index, status) against the truth, over the pixels that it decides."""
+    decided, same = truth.decided, planes["index"] == truth.index
+    color = pixel_error(truth.color, planes["color"])
+    with np.errstate(invalid="ignore"):
+        depth = np.abs(planes["t"] - truth.t) / np.maximum(1, truth.t)
+    hit = truth.index >= 0
+    wrong = decided & (~same | (hit & ~(depth <= OTHER_ROOT)) | np.isnan(color))
+    right = decided & ~wrong & hit
+    return Accuracy(pixels=int(decided.sum()), wrong=int(wrong.sum()),
+                    visible=int((decided & ~(color <= VISIBLE)).sum()),
+                    depth_p99=_p99(depth[right]), depth_max=_largest(depth[right]),
+                    color_p99=_p99(color[decided & ~np.isnan(color)]),
+                    color_max=_largest(color[decided & ~np.isnan(color)]),
+                    undecided=int((planes["status"] == UNDECIDED).sum()))
+
+
+def uncertainty(truth: Truth) -> Uncertainty:
+    """How large an error may seem although there is none."""
+    hit = truth.decided & (truth.index >= 0)
+    depth, color = truth.t_bound[hit], truth.color_bound[truth.decided]
+    return Uncertainty(depth_p99=_p99(depth) or 0.0, depth_max=_largest(depth) or 0.0,
+                       color_p99=_p99(color) or 0.0, color_max=_largest(color) or 0.0)
+
+
+def _p99(values: np.ndarray) -> float | None:
+    return float(np.quantile(values, 0.99)) if values.size else None
+
+
+def _largest(values: np.ndarray) -> float | None:
+    return float(values.max()) if values.size else None

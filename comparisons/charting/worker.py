@@ -25,10 +25,10 @@ def answer(request: dict) -> dict:
     if request["do"] == "truth":
         store.save(Path(request["truth"]), **vars(truth.make(scene)))
         return {"state": "ok"}
-    return {"state": "ok", "facts": (_judged if request["do"] == "first" else _timed)(request, scene, _kept)}
+    return {"state": "ok", "facts": (_judged if request["do"] == "first" else _timed)(request, scene)}
 
 
-def _judged(request: dict, scene, kept: OrderedDict) -> dict:
+def _judged(request: dict, scene) -> dict:
     """The first picture, for its accuracy; what it took to get there."""
     import drjit as dr
 
@@ -38,37 +38,37 @@ def _judged(request: dict, scene, kept: OrderedDict) -> dict:
 
     dr.flush_malloc_cache()
     forget_peak()
-    found = _competitor(request, scene, kept)
-    made = found.first()
-    peak = max(peak_kib(), made.program_kib)
+    found = _competitor(request, scene)
+    run = found.run()
+    peak = max(peak_kib(), run.program_kib)
     with store.atomically(Path(request["planes"])) as part:
-        save_npz(made.picture, part)
-    return {"first": made.cost.wall, "build": made.build, "peak_mib": peak / 1024, "evaluations": found.evaluations(),
-            "rays": made.picture.metadata.get("rays")}
+        save_npz(run.picture, part)
+    return {"first": run.cost.wall, "build": run.build, "peak_mib": peak / 1024, "evaluations": found.evaluations(),
+            "rays": run.picture.metadata.get("rays")}
 
 
-def _timed(request: dict, scene, kept: OrderedDict) -> dict:
+def _timed(request: dict, scene) -> dict:
     """One turn."""
     from ..bench.timing import busy_elsewhere
 
-    fresh = request["id"] not in kept
-    found = _competitor(request, scene, kept)
+    fresh = request["id"] not in _kept
+    found = _competitor(request, scene)
     if fresh:  # the process was replaced since: what must be compiled is compiled before the clock starts
-        found.warm()
+        found.run(warm=True)
     start, before = time.monotonic(), busy_elsewhere()
-    made = found.warm()
+    run = found.run(warm=True)
     hits = found.first_hits() if request["hits"] else None
-    return {"wall": made.cost.wall, "cpu": made.cost.cpu, "build": made.build,
+    return {"wall": run.cost.wall, "cpu": run.cost.cpu, "build": run.build,
             "others": max(busy_elsewhere() - before, 0.0), "seconds": time.monotonic() - start,
             **({"hits_wall": hits.wall, "hits_cpu": hits.cpu} if hits else {})}
 
 
-def _competitor(request: dict, scene, kept: OrderedDict):
-    from .measuring import competitor
+def _competitor(request: dict, scene):
+    from .competitors import competitor
 
-    if request["id"] not in kept:
-        kept[request["id"]] = competitor(scene, request["renderer"], request["settings"], request["timed"],
-                                         Path(request["truth"]) if request["truth"] else None, request["threads"])
-        while len(kept) > MOST_KEPT:
-            kept.popitem(last=False)
-    return kept[request["id"]]
+    if request["id"] not in _kept:
+        _kept[request["id"]] = competitor(scene, request["renderer"], request["settings"], request["timed"],
+                                          Path(request["truth"]) if request["truth"] else None, request["threads"])
+        while len(_kept) > MOST_KEPT:
+            _kept.popitem(last=False)
+    return _kept[request["id"]]

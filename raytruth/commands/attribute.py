@@ -45,16 +45,15 @@ def run(arguments) -> int:
 
 
 def _one(arguments) -> int:
-    from comparisons.attribution import side
-    from comparisons.attribution.attribute import attribute
+    from comparisons.attribution.measure import attribute, of_fault, of_renderer
     from comparisons.progress import Progress
     from reference_tracer.scene.library import find
 
     scene = resized(find(arguments.scene), arguments.size)
     if arguments.fault is not None:
-        a, b = side.of_renderer(arguments.renderer), side.of_fault(arguments.fault)
+        a, b = of_renderer(arguments.renderer), of_fault(arguments.fault)
     else:
-        a, b = side.of_renderer(arguments.against), side.of_renderer(arguments.renderer)
+        a, b = of_renderer(arguments.against), of_renderer(arguments.renderer)
     with Progress(10) as bar:
         attribution = attribute(scene, a, b, progress=lambda stage: bar.step(label=stage))
     if arguments.json:
@@ -96,7 +95,7 @@ def _lines(history, color) -> list[str]:
 
 
 def _all_faults(arguments) -> int:
-    from comparisons.attribution.table import wrong_on_purpose
+    from comparisons.attribution.measure import wrong_on_purpose
     from comparisons.progress import Cases
 
     with Cases() as progress:

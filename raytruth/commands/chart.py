@@ -36,8 +36,7 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.charting import results, subjects, suite
-    from comparisons.charting.growth import find
+    from comparisons.charting import cases, document, measure
     from comparisons.progress import Cases
     from reference_tracer.errors import InputError
 
@@ -45,17 +44,17 @@ def run(arguments) -> int:
     if not 8 <= min(arguments.size) or arguments.size[0] * arguments.size[1] > 1 << 24:
         raise InputError(f"--size: sides must be at least 8 and all pixels at most {1 << 24}; found "
                          f"{arguments.size[0]}x{arguments.size[1]}")
-    studies = find(arguments.growth, arguments.full) if arguments.growth or not arguments.scene else ()
-    charted = subjects.chosen(arguments.scene, arguments.full, arguments.size) \
+    studies = cases.find_studies(arguments.growth, arguments.full) if arguments.growth or not arguments.scene else ()
+    charted = cases.chosen(arguments.scene, arguments.full, arguments.size) \
         if arguments.scene or not arguments.growth else []
     folder = arguments.results or Path("results")
     require_folder(folder)
     with Cases() as progress:
-        chart = suite.run(charted, studies, suite.Options(folder, arguments.full, arguments.turns, limit,
-                                                          patience=30.0 if arguments.full else 0.5, progress=progress))
+        chart = measure.run(charted, studies, measure.Options(
+            folder, arguments.full, arguments.turns, limit, patience=30.0 if arguments.full else 0.5, progress=progress))
     if arguments.results or not (arguments.scene or arguments.growth):
-        results.keep(chart, folder, arguments.fresh)
-        print(f"written to {folder / results.FILE}", file=sys.stderr)
+        document.keep(chart, folder, arguments.fresh)
+        print(f"written to {folder / document.FILE}", file=sys.stderr)
     if arguments.json:
         print(chart.model_dump_json(indent=1))
     else:

@@ -32,24 +32,25 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     from comparisons.progress import Cases
-    from comparisons.stability import families, results, suite
+    from comparisons.stability import cases, measure
+    from comparisons.stability import document as documents
     from reference_tracer.errors import InputError
 
-    if not suite.FEWEST_RAYS <= arguments.rays <= suite.MOST_RAYS:
-        raise InputError(f"--rays: must be {suite.FEWEST_RAYS} to {suite.MOST_RAYS}; found {arguments.rays}")
-    chosen = families.find(arguments.family)
+    if not measure.FEWEST_RAYS <= arguments.rays <= measure.MOST_RAYS:
+        raise InputError(f"--rays: must be {measure.FEWEST_RAYS} to {measure.MOST_RAYS}; found {arguments.rays}")
+    chosen = cases.find(arguments.family)
     folder = arguments.results or (None if arguments.family else Path("results"))
     require_folder(folder)
     with Cases() as progress:
-        document = suite.run(chosen, folder or Path("results"), rays=arguments.rays, jobs=arguments.jobs, progress=progress)
+        document = measure.run(chosen, folder or Path("results"), rays=arguments.rays, jobs=arguments.jobs, progress=progress)
     if folder is not None:
-        results.keep(document, folder, arguments.fresh)
+        documents.keep(document, folder, arguments.fresh)
     if arguments.json:
         print(document.model_dump_json(indent=1))
     else:
         _tell(document)
         print(f"{len(chosen)} families, {document.rays} rays a point, {document.seconds:.0f} s"
-              + (f"; written to {folder / results.FILE}" if folder else ""), file=sys.stderr)
+              + (f"; written to {folder / documents.FILE}" if folder else ""), file=sys.stderr)
     return 1 if document.findings else 0
 
 

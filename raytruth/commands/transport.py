@@ -32,16 +32,17 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     from comparisons.progress import Cases
-    from comparisons.transport import cases, results, suite
+    from comparisons.transport import cases, measure
+    from comparisons.transport import document as documents
 
     chosen = cases.find(arguments.case)
     folder = arguments.results or Path("results")
     require_folder(folder)
     with Cases() as progress:
-        document = suite.run(chosen, folder, limit=arguments.limit, jobs=arguments.jobs, progress=progress)
+        document = measure.run(chosen, folder, limit=arguments.limit, jobs=arguments.jobs, progress=progress)
     if arguments.results or not arguments.case:
-        results.keep(document, folder, arguments.fresh)
-        print(f"written to {folder / results.FILE}", file=sys.stderr)
+        documents.keep(document, folder, arguments.fresh)
+        print(f"written to {folder / documents.FILE}", file=sys.stderr)
     if arguments.json:
         print(document.model_dump_json(indent=1))
     else:

@@ -45,7 +45,7 @@ class Planes:
               hits: Primary | None = None, object_count: int = 0) -> None:
         """Takes over what was traced for the pixels `where`; without `hits`, geometry planes stay as they are.
 
-        A pixel one of whose colours is not finite has the colour NaN and is undecided.
+        A colour is the mean of `samples`. A pixel one of whose colours is not finite has the colour NaN and is undecided.
         """
         count = len(self._arrays["color"][0, where]) if "color" in self._arrays else len(range(*where.indices(len(self))))
         numpy = lambda array: array.numpy()[..., :count]
@@ -53,7 +53,7 @@ class Planes:
         doubt = numpy(light.doubt)
         if "color" in self._arrays:
             color = self._arrays["color"][:, where]  # a view, unless `where` lists pixels
-            np.divide(numpy(light.color), samples**2 / color_unit, out=color)  # one rounding: the unit is a power of two
+            np.divide(numpy(light.color), samples / color_unit, out=color)  # one rounding: the unit is a power of two
             if (lost := doubt == NO_COLOR).any():
                 color[:, lost] = np.nan
             if not isinstance(where, slice):

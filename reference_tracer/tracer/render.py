@@ -74,14 +74,15 @@ def render(scene: Scene, method: str = "exact", *, precision: int | None = None,
 class Renderer:
     """A scene made ready for rendering: what is recorded for one picture is replayed for the next.
 
+    `world` may be a tracer that differs in a query or a formula, for showing what a fault does.
     Raises InputError for an unknown method or an unusable device.
     """
 
     def __init__(self, scene: Scene, method: str = "exact", *, precision: int | None = None, device: str = "llvm",
-                 threads: int | None = None):
+                 threads: int | None = None, world: type[World] = World):
         self.precision = precision or scene.tracing.precision
         self.scene, self.method, self.device = scene, method, device
-        self.world = World(scene, method, backend(self.precision, device))
+        self.world = world(scene, method, backend(self.precision, device))
         self.threads = use_threads(threads)
         self.wavefront = Wavefront(self.world)
         self._first_hits = dr.freeze(self._first_hit, warn_after=1 << 30)
@@ -132,8 +133,8 @@ class Renderer:
         centres = film.wants_hits and samples > 1  # the geometry planes belong to the pixel's centre
         if centres:
             hits = self._first_hits(camera_rays(self.world, pixels, 1), self.world.variables)
-        film.store(slice(pixels.start, pixels.stop), light, self.world.color_unit, samples, hits,
-                   self.world.object_count)
+        film.store(slice(pixels.start, pixels.stop), light, self.world.color_unit, self.world.optics.samples(samples),
+                   hits, self.world.object_count)
         return count if centres else 0
 
     def _first_hit(self, source: CameraRays, variables) -> Primary:
@@ -155,7 +156,7 @@ class Renderer:
             light, _ = wavefront.trace(camera_rays(self.world, pixels, samples), len(pixels) * samples**2,
                                        max(len(pixels), 2), primary=False, progress=_within(
                                            progress, start / len(chosen), (start + len(pixels)) / len(chosen)))
-            film.store(pixels, light, self.world.color_unit, samples)
+            film.store(pixels, light, self.world.color_unit, self.world.optics.samples(samples))
 
 
 def _within(progress: Callable[[float], None] | None, start: float, stop: float) -> Callable[[Advance], None] | None:

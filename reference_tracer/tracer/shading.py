@@ -52,9 +52,7 @@ def interact(world: World, ray: Ray, active) -> Interaction:
     t = dr.select(met, hit.t, 0)
     point = dr.fma(ray.d, t, ray.o)
     gradient = world.normal(point, hit.index, met)
-    cos1 = -dr.dot(ray.d, gradient)
-    normal = dr.select(cos1 < 0, -gradient, gradient)
-    cos1 = dr.abs(cos1)
+    normal, cos1 = world.optics.facing(ray.d, gradient)
     # where the gradient does not exist (O4, O5), overflows or underflows there is no normal: face the ray, and say that
     # the pixel is undecided
     smooth = ~met | (dr.abs(dr.squared_norm(normal) - 1) < ROUNDING_OF_LENGTHS * dr.epsilon(Float))
@@ -63,7 +61,7 @@ def interact(world: World, ray: Ray, active) -> Interaction:
     material = world.material(hit.index, met)
     R = material.reflection if world.reflective else 0.0
     T = material.transparency if world.transparent else 0.0
-    local_weight = dr.select(met, (1.0 - R) * (1.0 - T), 0)
+    local_weight = dr.select(met, world.optics.own_weight(R, T), 0)
     illumination, asked, reached, unsure = _illumination(world, ray, point, normal, met & (local_weight > 0))
     background = world.arrays.Vector(*world.background)
     color = dr.select(met, material.color * illumination * local_weight, dr.select(active, background, 0))
@@ -71,7 +69,7 @@ def interact(world: World, ray: Ray, active) -> Interaction:
     hit.undecided &= active
     interaction = Interaction(hit, point, normal, color, smooth, asked, reached, unsure, *[None] * 6)
     if world.reflective or world.transparent:
-        interaction.reflected = dr.normalize(reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
+        interaction.reflected = dr.normalize(world.optics.reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
         interaction.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
         if not world.traces["reflection"]:
             interaction.color += background * interaction.reflected_weight
@@ -102,7 +100,7 @@ def _illumination(world: World, ray: Ray, point, normal, active):
         faces = active & (cos > 0)
         # the shadow ray starts on the side the ray came from, like the reflection ray (M3)
         intensity, unsure = world.transmittance(Ray(point, shadow_dir, ray.sides), distance, faces)
-        total += brightness * dr.select(intensity > 0, cos * intensity, 0)
+        total += brightness * world.optics.light(cos, intensity, distance)
         asked += dr.select(faces, UInt(1), 0)
         reached += dr.select(faces & (intensity > 0), UInt(1), 0)
         undecided += dr.select(unsure, UInt(1), 0)
@@ -115,37 +113,11 @@ def _add_refraction(world: World, ray: Ray, interaction: Interaction, material: 
     T, n = material.transparency, material.refractive_index
     leaving = ray.sides.test(interaction.hit.index)
     n1, n2 = dr.select(leaving, n, 1), dr.select(leaving, 1, n)
-    refraction = refract(ray.d, interaction.normal, cos1, n1, n2, world.scene.tracing.refraction == "as_printed")
+    as_printed = world.scene.tracing.refraction == "as_printed"
+    refraction = world.optics.refract(ray.d, interaction.normal, cos1, n1, n2, as_printed)
     # total internal reflection keeps the weight T; the direction it shares with the reflection is traced once (R3)
     interaction.total_reflection = met & refraction.total
     interaction.reflected_weight += dr.select(interaction.total_reflection, T, 0)
     interaction.refracted_weight = dr.select(met & ~refraction.total, T, 0)
     interaction.refracted = dr.normalize(refraction.direction)
     interaction.refracted_sides = ray.sides.flipped(dr.select(met, interaction.hit.index, 0))
-
-
-@dataclass
-class Refraction:
-    """A refraction ray's direction, and where total internal reflection takes its place."""
-
-    direction: object  # Vector
-    total: object  # Bool
-
-
-def reflect(d, normal, cos1):
-    """r_dir - 2 normal (r_dir . normal), with cos1 = -r_dir . normal (section 4.3.2)."""
-    return d + normal * (2 * cos1)
-
-
-def refract(d, normal, cos1, n1, n2, as_printed: bool = False) -> Refraction:
-    """The law of refraction from a medium of index n1 into one of n2 (section 4.3.3).
-
-    `normal` is turned against the unit direction `d`, cos1 = -d . normal >= 0. Total internal reflection happens
-    where sin1 > n2/n1; at equality the ray refracts (decision R2). `as_printed` takes sin2 = sin1 n2/n1, the misprint
-    of section 4.3.3.2 (decision E1), instead of Snell's sin2 = sin1 n1/n2.
-    """
-    sin1 = dr.sqrt(dr.maximum(1 - cos1 * cos1, 0))
-    total = sin1 > n2 / n1
-    sin2 = sin1 * (n2 / n1 if as_printed else n1 / n2)
-    cos2 = dr.sqrt(1 - sin2 * sin2) if as_printed else dr.sqrt(dr.maximum(1 - sin2 * sin2, 0))
-    return Refraction((d + normal * cos1) * (n1 / n2) - normal * cos2, total)

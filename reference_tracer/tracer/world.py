@@ -14,6 +14,7 @@ from ..scene.model import EFFECTS, Scene
 from ..scene.placement import is_inside
 from .camera import canvas_point, frame
 from .families import Family, Member
+from .optics import Optics
 from .rays import Hit, Ray, Sides
 from .ties import Margin, first_of_tied
 
@@ -29,7 +30,12 @@ class Material:
 
 
 class World:
-    """A scene bound to array types and to a first-hit method; `nearest`, `normal`, `transmittance` are its queries."""
+    """A scene bound to array types and to a first-hit method; `nearest`, `normal`, `transmittance` are its queries.
+
+    A subclass, with `optics` or queries of its own, is another tracer: `render.Renderer` takes it.
+    """
+
+    optics = Optics()
 
     def __init__(self, scene: Scene, method: str, arrays: Backend):
         self.scene, self.arrays, self.method = scene, arrays, method
@@ -259,14 +265,6 @@ class World:
             opaque = self.arrays.Bool(True)
         count, unsure = family.method.crossings(member.solid, member.local(ray.o, ray.d),
                                                 ray.sides.test(member.index), distance, opaque)
-        left = (_multiply_repeatedly(intensity, transparency, count) if self.transparent
+        left = (self.optics.attenuated(intensity, transparency, count) if self.transparent
                 else dr.select(count > 0, 0, intensity))
         return left, undecided | unsure
-
-
-@dr.syntax
-def _multiply_repeatedly(value, factor, times):
-    while times > 0:
-        value *= factor
-        times -= 1
-    return value

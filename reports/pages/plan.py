@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from comparisons.planning.results import FILE
+from comparisons.planning.document import FILE
 
 from ..plans import median_ratio, shown
 from ..report import Report

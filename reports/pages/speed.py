@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from comparisons.charting.results import FILE
+from comparisons.charting.document import FILE
 
 from ..report import Report
 from ..speed import Speed

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from comparisons.stability.outcome import KINDS
-from comparisons.stability.results import FILE
+from comparisons.stability.document import KINDS
+from comparisons.stability.document import FILE
 
 from ..failures import Cell, failures
 from ..report import Report

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from comparisons.transport.results import FILE
+from comparisons.transport.document import FILE
 
 from ..report import Report
 from ..transport import shown

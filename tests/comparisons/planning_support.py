@@ -3,9 +3,7 @@
 import json
 import time
 
-from comparisons.planning import halves
-from comparisons.planning.search import Search
-from comparisons.planning.yardstick import Yardstick
+from comparisons.planning.search import Search, Yardstick, deciding
 from reference_tracer.scene.model import Scene
 
 WIDTH, HEIGHT = 32, 24
@@ -31,5 +29,5 @@ def corridor() -> Scene:
 
 
 def searching(written: Scene, tolerance: float = 1e-3, margin: float = 0.9) -> Search:
-    pixels = halves.deciding(written.hash, written.camera.height, written.camera.width)
+    pixels = deciding(written.hash, written.camera.height, written.camera.width)
     return Search(Yardstick(written, tolerance), written, pixels, margin * tolerance, time.monotonic() + 300)

@@ -7,7 +7,7 @@ import pytest
 
 from comparisons import results, suite
 from comparisons.agreement import records
-from comparisons.stability import results as stability
+from comparisons.stability import document as stability
 from raytruth.cli import main
 from reference_tracer.scene.load import parse_scene
 

@@ -6,11 +6,12 @@ import math
 import pytest
 
 from comparisons import document
-from comparisons.bench import accepted, groups, suite, table
-from comparisons.bench.__main__ import main
-from comparisons.bench.options import Options
-from comparisons.bench.results import Bench, Row
-from comparisons.bench.timing import Contestant, Cost, Measured, judged, row, take_turns
+from comparisons.bench import cases, measure
+from comparisons.bench import document as accepted
+from comparisons.bench.__main__ import line, main
+from comparisons.bench.cases import Options
+from comparisons.bench.document import Bench, Row
+from comparisons.bench.timing import Contestant, Cost, Measured, interleave, judged, row
 from comparisons.execution.machine import machine
 from reference_tracer.errors import InputError
 from reference_tracer.scene import library
@@ -28,7 +29,7 @@ def contestant(name, costs, log, compiles=False):
 
 def test_contestants_take_turns_and_compilation_stands_apart():
     log = []
-    measured = take_turns([contestant("fast", [(9, 9), (1, 2), (1, 2)], log, compiles=True),
+    measured = interleave([contestant("fast", [(9, 9), (1, 2), (1, 2)], log, compiles=True),
                            contestant("slow", [(4, 8), (6, 6)], log)], turns=2, budget=60)
     assert log == ["fast", "fast", "slow", "fast", "slow"]  # the first one compiles
     assert measured.first == {"fast": 9}
@@ -37,7 +38,7 @@ def test_contestants_take_turns_and_compilation_stands_apart():
 
 def test_a_turn_that_would_end_too_late_does_not_begin():
     log = []
-    take_turns([contestant("a", [(1, 1)] * 5, log)], turns=5, budget=0)
+    interleave([contestant("a", [(1, 1)] * 5, log)], turns=5, budget=0)
     assert log == ["a"]
 
 
@@ -83,50 +84,50 @@ def ratio_row(value, key="g/a", **more):
 def kept(tmp_path):
     path = tmp_path / "accepted.json"
     small = Row(key="g/small", what="w", unit="s", sense="<=", value=1.0)
-    accepted.write(bench(ratio_row(10), ratio_row(2, key="g/b", sense="<="), small), None, path)
+    accepted.accept(bench(ratio_row(10), ratio_row(2, key="g/b", sense="<="), small), None, path)
     return path
 
 
 @pytest.mark.parametrize("now, falls", [(8.6, 0), (8.4, 1), (30, 0)])
 def test_a_ratio_may_keep_85_percent(kept, now, falls):
-    found = accepted.falls(bench(ratio_row(now)), accepted.read(kept))
+    found = accepted.falls(bench(ratio_row(now)), accepted.read_accepted(kept))
     assert [f.key for f in found] == ["g/a"] * falls
 
 
 @pytest.mark.parametrize("now, falls", [(2.3, 0), (2.4, 1), (0.1, 0)])
 def test_where_less_is_better_more_is_a_fall(kept, now, falls):
-    found = accepted.falls(bench(ratio_row(now, key="g/b", sense="<=")), accepted.read(kept))
+    found = accepted.falls(bench(ratio_row(now, key="g/b", sense="<=")), accepted.read_accepted(kept))
     assert [f.key for f in found] == ["g/b"] * falls
 
 
 def test_the_same_clock_is_compared(kept):
     # by processor time 20 was accepted: 12 by that clock is a fall, though 12 by wall would not be
     by_cpu = row("g/a", "what", measured_as([(1, 1)], [(12, 12)]), "slow", "fast", None, "cpu")
-    assert len(accepted.falls(bench(by_cpu), accepted.read(kept))) == 1
+    assert len(accepted.falls(bench(by_cpu), accepted.read_accepted(kept))) == 1
 
 
 def test_seconds_of_another_processor_are_not_compared(kept):
     slow = Row(key="g/small", what="w", unit="s", sense="<=", value=3.0)
-    assert len(accepted.falls(bench(slow), accepted.read(kept))) == 1
-    assert accepted.falls(bench(slow, processor="another"), accepted.read(kept)) == []
+    assert len(accepted.falls(bench(slow), accepted.read_accepted(kept))) == 1
+    assert accepted.falls(bench(slow, processor="another"), accepted.read_accepted(kept)) == []
 
 
 def test_pictures_of_another_size_are_not_compared(kept):
-    assert accepted.falls(bench(ratio_row(1, picture="64 x 48")), accepted.read(kept)) == []
+    assert accepted.falls(bench(ratio_row(1, picture="64 x 48")), accepted.read_accepted(kept)) == []
 
 
 def test_accepting_some_rows_keeps_the_others(kept):
-    accepted.write(bench(ratio_row(20)), accepted.read(kept), kept)
-    rows = accepted.read(kept).rows
+    accepted.accept(bench(ratio_row(20)), accepted.read_accepted(kept), kept)
+    rows = accepted.read_accepted(kept).rows
     assert rows["g/a"].wall == 20 and rows["g/b"].wall == 2 and rows["g/small"].value == 1.0
 
 
 def test_a_case_that_failed_is_neither_accepted_nor_a_fall(kept):
     failed = Row(key="g/a", what="w", state="missing", message="no compiler")
-    assert accepted.falls(bench(failed), accepted.read(kept)) == []
-    accepted.write(bench(failed), accepted.read(kept), kept)
-    assert accepted.read(kept).rows["g/a"].wall == 10
-    assert "missing: no compiler" in table.line(failed)
+    assert accepted.falls(bench(failed), accepted.read_accepted(kept)) == []
+    accepted.accept(bench(failed), accepted.read_accepted(kept), kept)
+    assert accepted.read_accepted(kept).rows["g/a"].wall == 10
+    assert "missing: no compiler" in line(failed)
 
 
 def test_documents_survive_writing(tmp_path):
@@ -150,16 +151,16 @@ def test_pictures_shrink_to_the_rays_allowed():
 
 
 def test_every_group_says_what_it_measures():
-    for name, group in groups.GROUPS.items():
-        assert group.NAME == name and group.CASES and group.__doc__
+    for name, group in cases.GROUPS.items():
+        assert group.name == name and group.cases and group.about
     with pytest.raises(InputError, match="unknown group 'nonsense'"):
-        groups.find(["nonsense"])
+        cases.find(["nonsense"])
     with pytest.raises(InputError, match="no case is called 'nonsense'"):
-        suite.chosen(groups.find([]), ["nonsense"])
+        measure.chosen(cases.find([]), ["nonsense"])
 
 
 def test_a_real_run_end_to_end(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(accepted, "FILE", tmp_path / "accepted.json")
+    monkeypatch.setattr(accepted, "ACCEPTED", tmp_path / "accepted.json")
     output = tmp_path / "bench.json"
     asked = ["--only", "exact-vs-paper", "--scenes", "figure-05-sphere", "--turns", "2", "--size", "64x48"]
     assert main([*asked, "--accept", "-o", str(output)]) == 0

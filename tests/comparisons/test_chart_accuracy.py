@@ -3,15 +3,13 @@
 import numpy as np
 import pytest
 
-from comparisons.bench.results import Spread
-from comparisons.charting.accuracy import OTHER_ROOT, accuracy, uncertainty
+from comparisons.bench.document import Spread
+from comparisons.charting.cases import FORMULAS, surface
+from comparisons.charting.competitors import Ours, competitor
+from comparisons.charting.document import Accuracy, Point, Series, Times, clock, frontier
 from comparisons.charting.findings import findings
-from comparisons.charting.frontier import frontier
-from comparisons.charting.measuring import Ours, competitor
-from comparisons.charting.results import Accuracy, Point, Series, Times, clock
-from comparisons.charting.subjects import FORMULAS, surface
-from comparisons.charting.truth import Truth, make
-from comparisons.charting.turns import take_turns
+from comparisons.charting.measure import interleave
+from comparisons.charting.truth import OTHER_ROOT, Truth, accuracy, make, uncertainty
 from reference_tracer.errors import UnsupportedError
 from reference_tracer.scene.model import Camera, Object, Scene, Tracing
 from reference_tracer.surfaces.expression import Expression
@@ -135,7 +133,7 @@ def test_turns_are_interleaved_and_one_that_fails_is_not_asked_again():
                 "wall": float(len(asked)), "cpu": 1.0, "others": 0.5, "seconds": 1.0}}
         return ask
 
-    timed = take_turns({"a": contestant("a", False), "b": contestant("b", True), "c": contestant("c", False)}, 3)
+    timed = interleave({"a": contestant("a", False), "b": contestant("b", True), "c": contestant("c", False)}, 3)
     assert asked == ["a", "b", "c", "a", "c", "a", "c"]
     assert timed["a"].times().wall == Spread(median=4, low=1, high=6)
     assert timed["b"].times() is None and timed["b"].failure["message"] == "gone"

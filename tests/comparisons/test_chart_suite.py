@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from workers import exit_code
 
-from comparisons.charting import results, suite
-from comparisons.charting.growth import REFERENCE_SAMPLES, Study, studies
-from comparisons.charting.subjects import Charted, chosen
-from comparisons.charting.sweeps import SWEEPS, Sweep
+from comparisons.charting import document as results
+from comparisons.charting import measure
+from comparisons.charting.cases import REFERENCE_SAMPLES, SWEEPS, Charted, Study, Sweep, chosen, studies
 from comparisons.execution import pool
 from reference_tracer.errors import InputError
 from reference_tracer.scene.load import parse_scene
@@ -29,14 +28,14 @@ SWEPT = (PAPER, CHOSEN["exact"], CHOSEN["interval"], ABSENT, CHOSEN["crude"], CH
 
 CRASHING = """
 import os, signal
-from comparisons.charting import measuring
+from comparisons.charting import competitors
 from comparisons.execution import worker
-ours = measuring.Ours.first
-def first(self):
+ours = competitors.Ours.run
+def run(self, warm=False):
     if self.method == "interval":
         os.kill(os.getpid(), signal.SIGSEGV)
-    return ours(self)
-measuring.Ours.first = first
+    return ours(self, warm)
+competitors.Ours.run = run
 worker.main()
 """
 NOBODY = "raise SystemExit('nobody may be asked')"
@@ -52,11 +51,11 @@ def charted(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     study = Study("samples", "Samples", "samples", (1, 16), lambda n: SCENE.resized(16, 12, samples=round(n**0.5)),
                   "error", (("exact", {"method": "exact"}),))
-    options = suite.Options(folder, turns=2, limit=60.0)
+    options = measure.Options(folder, turns=2, limit=60.0)
     with pytest.MonkeyPatch.context() as patch:
         # Dr.Jit must not be imported before it is told where to keep kernels
         patch.setattr(pool, "COMMAND", (sys.executable, "-c", CRASHING))
-        return folder, options, study, suite.run([BALL], [study], options, SWEPT)
+        return folder, options, study, measure.run([BALL], [study], options, SWEPT)
 
 
 def points(chart, id):
@@ -103,10 +102,10 @@ def test_the_error_of_samples_falls(charted):
 
 def test_what_is_finished_is_not_measured_again(charted, nobody):
     folder, options, study, chart = charted
-    again = suite.run([BALL], [study], options, SWEPT[:2] + SWEPT[3:])
+    again = measure.run([BALL], [study], options, SWEPT[:2] + SWEPT[3:])
     assert again.subjects[0].series == [s for s in chart.subjects[0].series if s.id != "interval"]
     assert again.growths == chart.growths
-    other = suite.run([BALL], [], options, [CHOSEN["interval"]])  # a crash is not kept
+    other = measure.run([BALL], [], options, [CHOSEN["interval"]])  # a crash is not kept
     assert other.subjects[0].series[0].points[0].state == "crashed"
     assert all(file.with_suffix(".json").exists() for file in (folder / results.FOLDER).iterdir())
 
@@ -118,7 +117,7 @@ def test_the_document_survives_writing(charted, tmp_path):
 
 
 def test_a_scene_without_truth_costs_that_scene_alone(tmp_path, nobody):
-    chart = suite.run([BALL], [], suite.Options(tmp_path, limit=60.0), [CHOSEN["exact"]])
+    chart = measure.run([BALL], [], measure.Options(tmp_path, limit=60.0), [CHOSEN["exact"]])
     subject, = chart.subjects
     assert subject.state == "crashed" and "nobody may be asked" in subject.message and subject.series == []
     assert chart.faults

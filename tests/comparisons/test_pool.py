@@ -139,11 +139,11 @@ def test_what_a_worker_tells_on_its_way_is_passed_on(monkeypatch):
 # --- interruption ----------------------------------------------------------------------------------------------------
 SUITES = {
     "compare": "from comparisons import suite\nsuite.compare([SCENE], suite.Options(folder, with_studies=False))",
-    "transport": "from comparisons.transport import cases, suite\nsuite.run(cases.find([]), folder)",
-    "stability": "from comparisons.stability import families, suite\nsuite.run(families.find([]), folder)",
-    "attribute": "from comparisons.attribution.table import wrong_on_purpose\nwrong_on_purpose(folder)",
-    "chart": "from comparisons.charting import subjects, suite\nsuite.run(subjects.chosen([], False, (32, 24)), [], suite.Options(folder))",
-    "plan": "from comparisons.planning import suite\nlist(suite.run([SCENE], 1e-3, folder))",
+    "transport": "from comparisons.transport import cases, measure\nmeasure.run(cases.find([]), folder)",
+    "stability": "from comparisons.stability import cases, measure\nmeasure.run(cases.find([]), folder)",
+    "attribute": "from comparisons.attribution.measure import wrong_on_purpose\nwrong_on_purpose(folder)",
+    "chart": "from comparisons.charting import cases, measure\nmeasure.run(cases.chosen([], False, (32, 24)), [], measure.Options(folder))",
+    "plan": "from comparisons.planning import measure\nlist(measure.run([SCENE], 1e-3, folder))",
 }
 
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from comparisons.transport import cases
-from comparisons.transport.cases import mixing, reflection, refraction, shading, shadow
-from comparisons.transport.cases.rooms import CORNER_LIGHT, NOISY, ball, glow, scene
+from comparisons.transport.cases import CORNER_LIGHT, NOISY, ball, glow, scene
 from comparisons.transport.measure import measure
 from converters.mitsuba.dressed import diffuse, document, dressed, mirror, sun
 from converters.mitsuba.plugins import DocumentMaterial
@@ -30,13 +29,13 @@ def broken(measured):
     return {gate.name for gate in measured.gates if not gate.holds}
 
 
-@pytest.mark.parametrize("id", [case.id for case in cases.all_cases()])
+@pytest.mark.parametrize("id", [case.id for case in cases.CASES])
 def test_every_case_holds(id):
     assert broken(measure(small(id))) == set()
 
 
 def test_the_cases_cover_every_effect_and_measure_what_physics_does_otherwise():
-    every = cases.all_cases()
+    every = cases.CASES
     assert len({case.id for case in every}) == len(every)
     effects = {case.effect for case in every if not case.is_finding}
     assert effects == {"shading", "shadow", "reflection", "refraction", "total reflection", "mixing", "multisampling"}
@@ -49,7 +48,7 @@ def turned_sun(scene, samples, seed):
     light = scene.lights[0]
     x, y, z = light.position
     moved = scene.model_copy(update={"lights": (light.model_copy(update={"position": (x + 1e4, y, z)}),)})
-    return shading.lit_by_sun(moved, samples, seed)
+    return cases.lit_by_sun(moved, samples, seed)
 
 
 class OneCrossing(DocumentMaterial):
@@ -73,37 +72,36 @@ def light_in_shadow(kind):
 def denser_glass(scene, samples, seed):
     thicker = tuple(o.model_copy(update={"material": o.material.model_copy(update={"refractive_index": 1.41})})
                     if o.material.transparency else o for o in scene.objects)
-    return refraction.ratio(scene.model_copy(update={"objects": thicker}), samples, seed)
+    return cases.ratio(scene.model_copy(update={"objects": thicker}), samples, seed)
 
 
 def lossy(scene, samples, seed):
-    return refraction.in_glass(scene, samples, seed, reflected=0.999)
+    return cases.in_glass(scene, samples, seed, reflected=0.999)
 
 
 def three_by_three(scene, samples, seed):
-    from comparisons.transport.cases.multisampling import filmed
-    return filmed(scene.traced_with(samples=3), samples, seed)
+    return cases.filmed(scene.traced_with(samples=3), samples, seed)
 
 
 WRONG = {
-    "a light 1 % brighter": ("diffuse", lambda *a: shading.lit_by_sun(*a, strength=1.01)),
+    "a light 1 % brighter": ("diffuse", lambda *a: cases.lit_by_sun(*a, strength=1.01)),
     "a light elsewhere": ("hard-shadow", turned_sun),
     "T instead of T^2": ("clear-shadow", light_in_shadow("one_crossing")),
-    "opacity T": ("clear-shadow", lambda *a: shadow.veiled(*a, opacity=lambda transparency: transparency)),
-    "a path too short": ("mirror", lambda *a: reflection.mirrored(*a, depth=2)),
-    "bodies that light each other": ("mirrors", lambda *a: reflection.mirrored_in_company(
+    "opacity T": ("clear-shadow", lambda *a: cases.veiled(*a, opacity=lambda transparency: transparency)),
+    "a path too short": ("mirror", lambda *a: cases.mirrored(*a, depth=2)),
+    "bodies that light each other": ("mirrors", lambda *a: cases.mirrored_in_company(
         *a, plain=lambda o: diffuse(o.material.color))),
-    "no (1 - R)": ("mirror-blend", lambda *a: mixing.glowing_mirrors(*a, glow=lambda o: glow(
+    "no (1 - R)": ("mirror-blend", lambda *a: cases.glowing_mirrors(*a, glow=lambda o: glow(
         o.model_copy(update={"material": o.material.model_copy(update={"reflection": 0.0})})))),
-    "Fresnel's factors left in": ("refraction", refraction.raw),
+    "Fresnel's factors left in": ("refraction", cases.raw),
     "another refractive index": ("refraction", denser_glass),
-    "Fresnel's factors left in a bubble": ("refraction-thin", refraction.raw),
+    "Fresnel's factors left in a bubble": ("refraction-thin", cases.raw),
     "total reflection that loses 0.1 %": ("total-reflection-inside", lossy),
     "the same from outside": ("total-reflection-outside", lossy),
-    "the whole model 1 % brighter": ("everything", lambda *a: mixing.everything(*a, brighter=1.01)),
-    "shadow rays that stop at glass": ("everything", lambda *a: mixing.everything(*a, integrator="path")),
+    "the whole model 1 % brighter": ("everything", lambda *a: cases.everything(*a, brighter=1.01)),
+    "shadow rays that stop at glass": ("everything", lambda *a: cases.everything(*a, integrator="path")),
     "other samples": ("multisampling", three_by_three),
-    "irradiance by the document's brightness": ("fall-off", lambda *a: shading.lit_by_sun(*a)),
+    "irradiance by the document's brightness": ("fall-off", lambda *a: cases.lit_by_sun(*a)),
 }
 
 
@@ -116,14 +114,14 @@ def test_a_wrong_variant_fails(name):
 
 def test_the_own_material_attenuates_shadows_like_the_mask():
     """The control of "T instead of T^2": what fails there is the exponent and nothing else. It makes no choices."""
-    case = small("clear-shadow", scene=shadow.CLEAR.resized(*SIZE), ladder=())
+    case = small("clear-shadow", scene=cases.CLEAR.resized(*SIZE), ladder=())
     right, wrong = (measure(replace(case, mitsuba=light_in_shadow(kind))) for kind in ("document", "one_crossing"))
     assert right.metrics["color mean"] < 2e-4 and "failing pixels" not in broken(right)
     assert wrong.metrics["color mean"] > 2e-3 and "failing pixels" in broken(wrong)
 
 
 @pytest.mark.parametrize("id, wrong", [
-    ("fall-off", lambda p: p.color * (shading.LAMP_DISTANCE / np.linalg.norm(
+    ("fall-off", lambda p: p.color * (cases.LAMP_DISTANCE / np.linalg.norm(
         np.array(p.scene.lights[0].position) - p.position, axis=-1))[..., None]),  # fades with r
     ("one-over-pi", lambda p: p.color),
     ("interreflection", lambda p: p.color * (1 + np.array(p.scene.objects[0].material.color))),  # one bounce
@@ -167,7 +165,7 @@ def test_pixels_that_theory_says_nothing_of_do_not_make_a_case_hold():
 
 def test_a_picture_that_is_not_finite_fails():
     def poisoned(scene, samples, seed):
-        seen = shading.lit_by_sun(scene, samples, seed)
+        seen = cases.lit_by_sun(scene, samples, seed)
         seen.mean[10, 10] = np.nan
         return seen
 
@@ -176,9 +174,9 @@ def test_a_picture_that_is_not_finite_fails():
 
 def test_fresnels_equations():
     """Normal incidence: ((n - 1) / (n + 1))^2; beyond the critical angle: all; Brewster's angle: half of s alone."""
-    assert refraction.fresnel(np.array(1.0), 1.5) == pytest.approx(0.04)
-    assert refraction.fresnel(np.array(0.3), 0.8) == pytest.approx(1.0)  # sine 0.954 > 0.8
+    assert cases.fresnel(np.array(1.0), 1.5) == pytest.approx(0.04)
+    assert cases.fresnel(np.array(0.3), 0.8) == pytest.approx(1.0)  # sine 0.954 > 0.8
     brewster = np.cos(np.arctan(1.5))
     s = (np.cos(np.arctan(1.5)) - 1.5 * np.cos(np.pi / 2 - np.arctan(1.5))) ** 2 / (
         np.cos(np.arctan(1.5)) + 1.5 * np.cos(np.pi / 2 - np.arctan(1.5))) ** 2
-    assert refraction.fresnel(np.array(brewster), 1.5) == pytest.approx(s / 2)
+    assert cases.fresnel(np.array(brewster), 1.5) == pytest.approx(s / 2)

@@ -8,7 +8,8 @@ import pytest
 from workers import child, exit_code
 
 from comparisons.execution import pool
-from comparisons.transport import cases, monte_carlo, results, suite
+from comparisons.transport import cases, measure
+from comparisons.transport import document as results
 from converters.mitsuba.radiance import Radiance
 from raytruth.cli import main
 from reference_tracer.errors import InputError
@@ -28,9 +29,9 @@ print(json.dumps({{"state": "ok", "facts": {{"gates": {GATES!r}, "metrics": {MET
 # --- judging Monte Carlo ---------------------------------------------------------------------------------------------
 def test_sidaks_limit():
     """One test at 1 %: 2.5758; 7500 tests share the level so that none of them exceeds it in 99 % of all cases."""
-    assert monte_carlo.limit(1) == pytest.approx(2.575829, rel=1e-6)
+    assert measure.sidak_limit(1) == pytest.approx(2.575829, rel=1e-6)
     from math import erf, sqrt
-    assert erf(monte_carlo.limit(7500) / sqrt(2)) ** 7500 == pytest.approx(0.99, rel=1e-9)
+    assert erf(measure.sidak_limit(7500) / sqrt(2)) ** 7500 == pytest.approx(0.99, rel=1e-9)
 
 
 def made_of(draws):
@@ -41,7 +42,7 @@ def made_of(draws):
 
 def largest(draws, expected):
     ones = np.ones(expected.shape[:2], bool)
-    return float(np.abs(monte_carlo.scores(made_of(draws), expected, np.zeros(ones.shape), ones)).max())
+    return float(np.abs(measure.scores(made_of(draws), expected, np.zeros(ones.shape), ones)).max())
 
 
 @pytest.mark.parametrize("p", [0.5, 0.05, 0.005, 0.0005])
@@ -51,7 +52,7 @@ def test_faultless_coins_pass_however_rare_heads_are(p):
     expected[0, 0] = 1  # what heads are worth is seen somewhere in the picture
     for _ in range(4):
         draws = (random.random((24, 32, 3, 500)) < expected[..., None]).astype(float)
-        assert largest(draws, expected) < monte_carlo.limit(expected.size)
+        assert largest(draws, expected) < measure.sidak_limit(expected.size)
 
 
 @pytest.mark.parametrize("p", [0.5, 0.05])
@@ -59,20 +60,20 @@ def test_biased_coins_are_found(p):
     random = np.random.default_rng(6)
     expected = np.full((24, 32, 3), p)
     draws = (random.random((24, 32, 3, 4000)) < 1.4 * p).astype(float)
-    assert largest(draws, expected) > monte_carlo.limit(expected.size)
+    assert largest(draws, expected) > measure.sidak_limit(expected.size)
 
 
 def test_without_noise_one_percent_is_found():
     expected = np.full((4, 4, 3), 0.5)
     seen = Radiance(1.01 * expected, np.zeros_like(expected), 64)
     none = np.zeros((4, 4))
-    assert np.abs(monte_carlo.scores(seen, expected, none, none > 0)).min() > 1000
-    assert np.abs(monte_carlo.scores(seen, 1.01 * expected, none, none > 0)).max() == 0
+    assert np.abs(measure.scores(seen, expected, none, none > 0)).min() > 1000
+    assert np.abs(measure.scores(seen, 1.01 * expected, none, none > 0)).max() == 0
 
 
 def test_slopes():
-    assert monte_carlo.slope({4: 1.0, 16: 0.5, 64: 0.25}) == pytest.approx(-0.5)
-    assert monte_carlo.slope({4: 1.0, 16: 1.0, 64: 1.0}) == pytest.approx(0.0, abs=1e-12)
+    assert measure.slope({4: 1.0, 16: 0.5, 64: 0.25}) == pytest.approx(-0.5)
+    assert measure.slope({4: 1.0, 16: 1.0, 64: 1.0}) == pytest.approx(0.0, abs=1e-12)
 
 
 # --- child processes -------------------------------------------------------------------------------------------------
@@ -85,14 +86,14 @@ def workers(monkeypatch):
 def test_a_crash_costs_its_own_case_and_finished_ones_are_kept(tmp_path, workers):
     crash = 'if arguments["case"] == "diffuse":\n    os.abort()\n' + textwrap.dedent(GOOD)
     workers(crash)
-    document = suite.run(CHOSEN, tmp_path, jobs=1)
+    document = measure.run(CHOSEN, tmp_path, jobs=1)
     states = [(c.id, c.state, c.holds) for c in document.cases]
     assert states == [("diffuse", "crashed", False), ("mirror-blend", "ok", True)]
     assert "SIGABRT" in document.cases[0].reason and [c.id for c in document.failed] == ["diffuse"]
     # what is finished is not asked for again, what crashed is
     asked = tmp_path / "asked"
     workers(f"open({str(asked)!r}, 'a').write(arguments['case'])\n" + textwrap.dedent(GOOD))
-    again = suite.run(CHOSEN, tmp_path, jobs=1)
+    again = measure.run(CHOSEN, tmp_path, jobs=1)
     assert asked.read_text() == "diffuse" and not again.failed and again.cases[1] == document.cases[1]
 
 
@@ -102,20 +103,20 @@ def test_a_crash_costs_its_own_case_and_finished_ones_are_kept(tmp_path, workers
     ('print(json.dumps({"state": "ok", "facts": {}}))', "malformed")])
 def test_a_case_that_is_not_measured_does_not_hold(tmp_path, workers, body, state):
     workers(body)
-    record, = suite.run(CHOSEN[:1], tmp_path, limit=0.8 if state == "timeout" else 20).cases
+    record, = measure.run(CHOSEN[:1], tmp_path, limit=0.8 if state == "timeout" else 20).cases
     assert record.state == state and not record.holds and record.planes is None
 
 
 def test_a_broken_gate_is_told(tmp_path, workers):
     broken = GOOD.replace("1e-06", "0.5").replace("'holds': True", "'holds': False")
     workers(broken)
-    document = suite.run(CHOSEN[:1], tmp_path)
+    document = measure.run(CHOSEN[:1], tmp_path)
     assert document.failed and "color p99 is 0.5" in document.cases[0].reason
 
 
 def test_the_document_comes_back_and_is_not_written_twice(tmp_path, workers):
     workers(GOOD)
-    document = suite.run(CHOSEN, tmp_path)
+    document = measure.run(CHOSEN, tmp_path)
     results.keep(document, tmp_path)
     later = document.model_copy(update={"created": "later", "seconds": 9})
     assert results.read(tmp_path) == document == results.keep(later, tmp_path)

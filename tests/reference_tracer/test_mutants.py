@@ -158,7 +158,7 @@ MUTANTS = {
         decisions.test_M7_the_exact_method_says_that_it_cannot_tell, ("1 + sqrt(4 - z)",)),
     # section 4.3
     "N1 not turned": Mutant(
-        "normal = dr.select(cos1 < 0, -gradient, gradient)", "normal = gradient",
+        "return dr.select(cos1 < 0, -gradient, gradient), ", "return gradient, ",
         decisions.test_N1_the_normal_is_turned_against_the_ray, ("negative", "exact")),
     "L1 the last light alone": Mutant(
         "total += brightness *", "total = brightness *",
@@ -170,8 +170,8 @@ MUTANTS = {
         "active & (cos > 0)", "active",
         shading.test_L2_a_light_behind_the_surface_adds_nothing, ("exact",)),
     "L3 once for an object": Mutant(
-        "_multiply_repeatedly(intensity, transparency, count)",
-        "dr.select(count > 0, intensity * transparency, intensity)",
+        "_multiply_repeatedly(intensity, transparency, crossings)",
+        "dr.select(crossings > 0, intensity * transparency, intensity)",
         shading.test_L3_light_is_weakened_at_every_crossing, ("exact",)),
     "4.3.2 reflected the other way": Mutant(
         "d + normal * (2 * cos1)", "d - normal * (2 * cos1)",
@@ -191,10 +191,10 @@ MUTANTS = {
         "dr.select(met & ~refraction.total, T, 0)", "dr.select(met, T, 0)",
         refraction.test_R3_total_reflection_keeps_the_weight_of_refraction, ("exact",)),
     "R4 not renormalised": Mutant(
-        "dr.normalize(reflect(ray.d, normal, cos1))", "reflect(ray.d, normal, cos1)",
+        "dr.normalize(world.optics.reflect(ray.d, normal, cos1))", "world.optics.reflect(ray.d, normal, cos1)",
         decisions.test_R4_directions_stay_of_unit_length_through_sixty_reflections, ("exact",)),
     "4.3.4 visible colour not dimmed by transparency": Mutant(
-        "(1.0 - R) * (1.0 - T), 0)", "(1.0 - R), 0)",
+        "(1.0 - reflection) * (1.0 - transparency)", "1.0 - reflection",
         shading.test_the_three_rays_are_mixed_with_the_printed_weights, (0.3, 0.6, "exact")),
     "D1 one generation less": Mutant(
         "generation == self.world.scene.tracing.max_depth",

@@ -6,7 +6,7 @@ from report_support import HOSTILE, make_results
 import reports
 from comparisons import document
 from comparisons import results as documents
-from comparisons.attribution.records import (FILE, Attribution, Evidence, History, Judgement, Ray, Table, WorstPixel,
+from comparisons.attribution.document import (FILE, Attribution, Evidence, History, Judgement, Ray, Table, WorstPixel,
                                              WrongOnPurpose)
 from reference_tracer.scene import library
 from reports.evidence import CHECKED, PREFIX

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import reports
-from comparisons.stability import results as stability
+from comparisons.stability import document as stability
 from reports import assemble, mark
 
 

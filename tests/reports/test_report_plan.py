@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from report_support import HOSTILE
 
-from comparisons.bench.results import Seconds, Spread
+from comparisons.bench.document import Seconds, Spread
 from comparisons.execution import store
-from comparisons.planning import results
-from comparisons.planning.results import DecisionRecord, MeshTrial, Plan, Proof, Ratio, Saved, Trial
+from comparisons.planning import document as results
+from comparisons.planning.document import DecisionRecord, MeshTrial, Plan, Proof, Ratio, Saved, Trial
 from reference_tracer.errors import InputError
 from reference_tracer.tracer.image_files import to_8_bit
 from reports.assemble import build

@@ -7,8 +7,8 @@ from report_support import HOSTILE, make_results
 
 import reports
 from comparisons import document
-from comparisons.bench.results import Spread
-from comparisons.charting.results import (FILE, Accuracy, Chart, Growth, GrowthLine, GrowthPoint, Point, Series,
+from comparisons.bench.document import Spread
+from comparisons.charting.document import (FILE, Accuracy, Chart, Growth, GrowthLine, GrowthPoint, Point, Series,
                                           Subject, Times, Uncertainty)
 from reference_tracer.scene import library
 from reports.chart import MARKS

@@ -7,9 +7,9 @@ import pytest
 from report_support import HOSTILE, make_results
 
 import reports
-from comparisons.stability import results as documents
-from comparisons.stability.outcome import KINDS
-from comparisons.stability.results import (FamilyRecord, Finding, LawPoint, LawRecord, MethodRecord, Point, Series,
+from comparisons.stability import document as documents
+from comparisons.stability.document import KINDS
+from comparisons.stability.document import (FamilyRecord, Finding, LawPoint, LawRecord, MethodRecord, Point, Series,
                                            Stability)
 from reference_tracer.errors import InputError
 from reference_tracer.scene import library

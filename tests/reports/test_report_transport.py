@@ -7,8 +7,8 @@ from report_support import HOSTILE, make_results
 import reports
 from comparisons import results as documents
 from comparisons.results import Gate
-from comparisons.transport import results as transport
-from comparisons.transport.results import CaseRecord, Transport
+from comparisons.transport import document as transport
+from comparisons.transport.document import CaseRecord, Transport
 from reference_tracer.scene import library
 from reports import scale
 

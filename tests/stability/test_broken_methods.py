@@ -5,8 +5,8 @@ import dataclasses
 import pytest
 from broken_methods import FREE_NEWTON, SKIPS_ROOTS, WRONG_SIDE
 
-from comparisons.stability import families
-from comparisons.stability.law import Law
+from comparisons.stability import cases as families
+from comparisons.stability.family import Law
 from comparisons.stability.measure import examine
 from comparisons.stability.methods import METHODS
 

@@ -7,8 +7,10 @@ import sys
 import pytest
 
 from comparisons.execution import pool
-from comparisons.stability import families, results, suite
-from comparisons.stability.families import FAMILIES
+from comparisons.stability import cases as families
+from comparisons.stability import document as results
+from comparisons.stability import measure
+from comparisons.stability.cases import FAMILIES
 from comparisons.stability.methods import METHODS
 from raytruth.commands import stability
 from reference_tracer.errors import InputError
@@ -19,7 +21,7 @@ RAYS = 60
 
 @pytest.fixture(scope="module")
 def document(tmp_path_factory):
-    return suite.run(families.find(FEW), tmp_path_factory.mktemp("results"), rays=RAYS)
+    return measure.run(families.find(FEW), tmp_path_factory.mktemp("results"), rays=RAYS)
 
 
 def test_every_ray_is_counted(document):
@@ -55,7 +57,7 @@ def test_the_document_survives_a_file(document, tmp_path):
 
 def test_the_same_rays_every_time(document, tmp_path):
     """Alone or among others, a family gives the same counts: nothing hangs on the order of the generator's use."""
-    alone = suite.run(families.find(["secondary-rays"]), tmp_path, rays=RAYS).family("secondary-rays")
+    alone = measure.run(families.find(["secondary-rays"]), tmp_path, rays=RAYS).family("secondary-rays")
     assert alone == document.family("secondary-rays")
 
 
@@ -117,8 +119,8 @@ WRONG_LAW = """
 import dataclasses
 from comparisons.execution import worker
 from comparisons.execution import pool
-from comparisons.stability import families
-from comparisons.stability.law import Law
+from comparisons.stability import cases as families
+from comparisons.stability.family import Law
 family, = families.find(["horizon"])
 families.find = lambda names: [dataclasses.replace(family, laws=(Law("paper", "never", lambda p: 0.0),))]
 worker.main()

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from flint import arb, ctx, fmpq, fmpq_poly
 
-from comparisons.stability import families
+from comparisons.stability import cases as families
 from comparisons.stability.exact import ball_crossings, crossings, rational, root_between
 from comparisons.stability.families.root_set import PROBLEMS
-from comparisons.stability.rays import Draw
+from comparisons.stability.family import Draw
 
 
 def _certified(coefficients) -> list[tuple[arb, int]]:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from comparisons.stability.outcome import KINDS, MOST_EVALUATIONS, NAMES, Answer, classify
-from comparisons.stability.rays import Draw, Rays
+from comparisons.stability.document import KINDS, MOST_EVALUATIONS, NAMES
+from comparisons.stability.family import Answer, Draw, Rays, classify
 
 INF, NAN = np.inf, np.nan
 CASES = [  # exact distance, other root, found, t, undecided, evaluations: kind

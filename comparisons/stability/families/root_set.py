@@ -16,9 +16,8 @@ import numpy as np
 from reference_tracer.numbers import functions as fn
 
 from ..exact import root_between
-from ..family import About, Outcome, Shape, run_batch
+from ..family import About, Draw, Outcome, Rays, Shape
 from ..methods import Method
-from ..rays import Draw, Rays
 
 ACCURACY = 1e-9
 STEPS = 20  # of the literal method on the interval of the table
@@ -120,10 +119,10 @@ class RootSet:
     variants: tuple = ()
 
     def cases(self, precision: int, count: int) -> list[Rays]:
-        return [problem.rays(self.about.draw(p, precision, count)) for p, problem in zip(self.about.values, PROBLEMS)]
+        return [problem.rays(draw) for (_, draw), problem in zip(self.about.draws(precision, count), PROBLEMS)]
 
     def run(self, cases: list[Rays], method: Method, precision: int) -> list[Outcome | None] | None:
-        outcomes = [run_batch(problem.shape, [rays], method, precision) for problem, rays in zip(PROBLEMS, cases)]
+        outcomes = [problem.shape.run([rays], method, precision) for problem, rays in zip(PROBLEMS, cases)]
         return [outcome[0] if outcome else None for outcome in outcomes] if any(outcomes) else None
 
 
