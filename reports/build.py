@@ -16,7 +16,7 @@ from comparisons import results as comparison
 from comparisons.execution.machine import packages, source_hash
 from comparisons.results import Results
 from reference_tracer.errors import InputError
-from reference_tracer.image_files import write_8_bit
+from reference_tracer.tracer.image_files import write_8_bit
 
 from .cases import is_lower_bound, scene_page
 from .figures import pictures, scale

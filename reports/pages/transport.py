@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from comparisons.transport.results import FILE, CaseRecord, read
-from reference_tracer.image_files import to_8_bit
+from reference_tracer.tracer.image_files import to_8_bit
 
 from ..figures import scale
 from ..figures.maps import Errors, color_error, spread
