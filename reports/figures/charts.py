@@ -246,9 +246,10 @@ def _for_a_page(svg: str, anchor: str, title: str) -> Markup:
     svg = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>|<!--.*?-->", "", svg[svg.index("<svg"):], flags=re.S)
     svg = re.sub(r"<svg [^>]*>", f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title)}">',
                  svg, count=1).replace("xlink:href", "href")
-    used = set(re.findall(r"#(\w+)[\")]", svg))
+    svg = re.sub(r' clip-path="[^"]*"|<clipPath.*?</clipPath>|<defs>\s*</defs>|<g/>', "", svg, flags=re.S)  # all lies inside
+    used = set(re.findall(r'href="#(\w+)"', svg))
     svg = re.sub(r' id="([^"]*)"', lambda m: m[0] if m[1] in used or m[1].startswith(f"{anchor}-") else "", svg)
     svg = re.sub(r"#00fe([0-9a-f]{2})", lambda m: f"var(--{PAGE[int(m[1], 16)]})", svg)
-    svg = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", svg)
+    svg = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", re.sub(r"; font-family: [^;\"]*", "", svg))
     svg = re.sub(r"(\.\d\d)\d+", r"\1", svg)
     return Markup(re.sub(r"\s*\n\s*", "\n", svg))

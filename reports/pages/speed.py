@@ -130,7 +130,7 @@ class Speed:
                 "hits": f"{self.time} of the camera rays’ first hits alone, ms"}[kind.cost]
         points = [point for line in lines for point in line.points]
         label = kind.label if kind.nothing else f"{kind.label} of {parts(subject.pixels)}"
-        return (Axis(what, [x for x, _ in points]), Axis(label, [y for _, y in points], nothing, "rounding" if nothing else "none"),
+        return (Axis(what, [v for line in lines for ends in line.spread for v in ends]), Axis(label, [y for _, y in points], nothing, "rounding" if nothing else "none"),
                 lines, best)
 
     def growth(self, growth: Growth, second: bool) -> tuple[Axis, Axis, list[Line]]:
