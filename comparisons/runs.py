@@ -10,16 +10,16 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from reference_tracer.tracer.image_files import save_npz
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.image_files import save_npz
 
 from . import renderers
 from .execution import store
 from .execution.pool import Pool, Task, complete
-from .verdicts.metrics import Planes
 from .planes import problem, read_planes
 from .results import RUNS, Run, Timing
+from .verdicts.metrics import Planes
 
 TIMINGS = ("build", "first", "warm")
 LARGEST_FILE = 1 << 30, 256  # bytes a renderer may write into one file, and as many more a pixel

@@ -1,16 +1,17 @@
-"""The cases of a report: every comparison, and every failed run that no comparison speaks of; worst first."""
+"""What a report shows of a results document: comparisons, runs without a picture, effects of decisions; worst first."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import groupby
 
-from comparisons.results import Comparison, Gate, Results, Run, SceneRecord
+from comparisons.results import Comparison, Effect, Gate, Results, Run, SceneRecord
 from reference_tracer.errors import InputError
 
-from .names import slug
-from .words import STATES, VERDICTS
+from .text.words import STATES, VERDICTS, State, slug
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,11 @@ class Case:
     @property
     def page(self) -> str:
         return scene_page(self.scene)
+
+    @property
+    def is_literal(self) -> bool:
+        """Whether the document's own method is under test: no independent witness of anything."""
+        return self.test.renderer == "paper"
 
     @property
     def telling_gates(self) -> list[Gate]:
@@ -85,25 +91,70 @@ def cases(results: Results) -> list[Case]:
     return sorted(found, key=lambda case: case.rank)
 
 
-def failed_runs(results: Results) -> list[Run]:
-    """Every run without a picture, worst first."""
-    order = list(STATES)
-    failed = [run for run in results.runs if run.state != "ok"]
-    return sorted(failed, key=lambda run: (order.index(run.state), run.scene, run.renderer, run.key))
+def verdict_counts(found: list[Case]) -> dict[str, int]:
+    return {verdict: sum(case.comparison.verdict == verdict for case in found) for verdict in VERDICTS}
 
 
 @dataclass(frozen=True)
-class Tally:
-    """How many comparisons have each verdict; a failed run that no comparison speaks of counts as not compared."""
+class Absence:
+    """Why a renderer has no picture, with all scenes that this holds for."""
 
-    counts: dict[str, int]  # verdict: comparisons
-    total: int
-    silent: list[Run]  # the failed runs that no comparison speaks of
+    renderer: str
+    state: State
+    reason: str
+    scenes: list[str]
+    commands: list[str]
 
 
-def tally(found: list[Case], failed: list[Run]) -> Tally:
-    compared = {case.test.key for case in found} | {case.reference.key for case in found}
-    silent = [run for run in failed if run.key not in compared]
-    counts = {verdict: sum(case.comparison.verdict == verdict for case in found) for verdict in VERDICTS}
-    counts["not compared"] += len(silent)
-    return Tally(counts, len(found) + len(silent), silent)
+def absences(rows: Iterable[tuple[str, str, str, str, str]]) -> list[Absence]:
+    """Rows of (renderer, state, reason, scene, command) gathered by all but the last two, worst state first."""
+    order = list(STATES)
+    key = lambda row: (order.index(row[1]), row[0], row[2])
+    found = [(key, list(group)) for key, group in groupby(sorted(rows, key=key), key=key)]
+    return [Absence(renderer, STATES[order[state]], reason, [row[3] for row in group], [row[4] for row in group])
+            for (state, renderer, reason), group in found]
+
+
+def failed_runs(results: Results) -> list[Absence]:
+    """Every run without a picture."""
+    titles = {scene.name: scene.title or scene.name for scene in results.scenes}
+    return absences((run.title, run.state, run.message, titles.get(run.scene, run.scene), run.command)
+                    for run in results.runs if run.state != "ok")
+
+
+@dataclass(frozen=True)
+class ShownEffect:
+    """What one decision changes, with all that it refers to; `missing` says why it cannot be shown, if so."""
+
+    effect: Effect
+    scene: SceneRecord | None
+    baseline: Run | None
+    variant: Run | None
+    missing: str = ""
+
+    @property
+    def anchor(self) -> str:
+        return slug(self.effect.id)
+
+    @property
+    def runs(self) -> list[Run]:
+        return [] if self.missing else [self.baseline, self.variant]
+
+
+def effects(results: Results) -> list[ShownEffect]:
+    """The effects in the document's order. One that names what the document lacks is shown without pictures."""
+    scenes = {s.name: s for s in results.scenes}
+    runs = {r.key: r for r in results.runs}
+    return [_effect(e, scenes.get(e.scene), runs.get(e.baseline), runs.get(e.variant)) for e in results.effects]
+
+
+def _effect(effect: Effect, scene: SceneRecord | None, baseline: Run | None, variant: Run | None) -> ShownEffect:
+    missing = ""
+    if scene is None:
+        missing = f"No pictures: the results do not list the scene '{effect.scene}'."
+    for word, key, run in (("with the decision", effect.baseline, baseline), ("without it", effect.variant, variant)):
+        if not missing and run is None:
+            missing = f"No pictures: the results do not list the run '{key}' {word}."
+        if not missing and run.state != "ok":
+            missing = f"No pictures: the run {word} failed ({run.message or run.state})."
+    return ShownEffect(effect, scene, baseline, variant, missing)

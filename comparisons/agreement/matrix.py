@@ -10,8 +10,8 @@ from reference_tracer.scene.model import Scene
 from .. import renderers
 from ..results import Comparison, Run
 from ..runs import Request
-from ..verdicts.majority import Odd, odd_ones, stages_of
 from ..verdicts.judge import judge
+from ..verdicts.majority import Odd, odd_ones, stages_of
 from ..verdicts.pairs import Measurements
 from ..verdicts.pairs import Pair as Pictures
 from ..verdicts.tolerances import between

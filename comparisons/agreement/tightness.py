@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 
 from reference_tracer.scene.model import Scene
 
-from ..verdicts.judge import judge
-from ..verdicts.tolerances import DOUBLE, GRID, MESH, NATIVE, ORACLE, TRACERS, Tolerance, between
 from ..results import Gate, Run
 from ..runs import Request
+from ..verdicts.judge import judge
 from ..verdicts.pairs import Measurements, Pair
+from ..verdicts.tolerances import DOUBLE, GRID, MESH, NATIVE, ORACLE, TRACERS, Tolerance, between
 from .records import Tightness
 
 TRUTH = "exact"

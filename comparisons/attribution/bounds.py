@@ -13,8 +13,8 @@ import numpy as np
 from skimage.morphology import dilation
 
 from reference_tracer.errors import InputError
-from reference_tracer.tracer.render import UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.render import UNDECIDED, Picture
 from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, SAFETY, UNIT, perturbed
 
 PROBES = 5

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from reference_tracer.tracer.render import Picture, Renderer
 from reference_tracer.scene import library
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.render import Picture, Renderer
 
 from .. import document, renderers
 from ..execution import pool as pools
@@ -22,8 +22,21 @@ from ..execution.pool import Pool, Progress
 from ..renderers import RENDERERS
 from . import cases, rays
 from .cases import FAULTS, Fault
-from .document import (COMMAND, FILE, STAGES, Answer, Attribution, Evidence, History, Judged, Judgement, Stage, Table,
-                       WorstPixel, WrongOnPurpose)
+from .document import (
+    COMMAND,
+    FILE,
+    STAGES,
+    Answer,
+    Attribution,
+    Evidence,
+    History,
+    Judged,
+    Judgement,
+    Stage,
+    Table,
+    WorstPixel,
+    WrongOnPurpose,
+)
 from .stages import COMPARE, Finding, Pictures, camera_fault
 
 WORST, APART = 3, 12  # pixels followed, and how far they lie from each other at least

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from skimage.morphology import erosion
 
-from reference_tracer.tracer.render import Picture
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.render import Picture
 from reference_tracer.tracer.sensitivity import UNIT
 
 from ..verdicts.metrics import pixel_error

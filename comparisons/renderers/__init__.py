@@ -14,8 +14,8 @@ from typing import get_type_hints
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from reference_tracer.errors import InputError
-from reference_tracer.tracer.render import Picture
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.render import Picture
 
 from ..execution.code import installed, program
 

@@ -16,10 +16,10 @@ import numpy as np
 from converters.embree import Crossings, EmbreeScene, convert
 from converters.embree.crossings import Start
 from converters.mesh import largest
-from reference_tracer.tracer.camera import canvas_point, frame
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
+from reference_tracer.scene.placement import is_inside
+from reference_tracer.tracer.camera import canvas_point, frame
+from reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
 
 MOST_RAYS = 1 << 16  # of one wave: its arrays stay in the processor's cache
 

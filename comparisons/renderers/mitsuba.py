@@ -17,10 +17,10 @@ from converters.mitsuba.crossings import OFFSET, Crossings, Hit, spawn
 from converters.mitsuba.shapes import native
 from converters.mitsuba.variant import dr, mi
 from reference_tracer.errors import UnsupportedError
-from reference_tracer.tracer.rays import Sides
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
+from reference_tracer.scene.placement import is_inside
+from reference_tracer.tracer.rays import Sides
+from reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
 
 from .reference import LONG
 

@@ -20,8 +20,20 @@ from ..execution.machine import machine
 from ..execution.pool import Pool, Progress, Task, complete
 from ..execution.store import Store
 from . import cases
-from .document import (FOLDER, KINDS, WRONG, Examined, FamilyRecord, Finding, LawPoint, LawRecord, MethodRecord, Point,
-                       Series, Stability)
+from .document import (
+    FOLDER,
+    KINDS,
+    WRONG,
+    Examined,
+    FamilyRecord,
+    Finding,
+    LawPoint,
+    LawRecord,
+    MethodRecord,
+    Point,
+    Series,
+    Stability,
+)
 from .family import SEED, Family, Law, Outcome
 from .methods import METHODS, Method
 

@@ -12,8 +12,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from converters.mitsuba import sensor
-from converters.mitsuba.dressed import (FAR, area, dielectric, diffuse, document, dressed, fading_point, mirror, rgb,
-                                        steady_point, sun)
+from converters.mitsuba.dressed import (
+    FAR,
+    area,
+    dielectric,
+    diffuse,
+    document,
+    dressed,
+    fading_point,
+    mirror,
+    rgb,
+    steady_point,
+    sun,
+)
 from converters.mitsuba.radiance import Radiance, radiance
 from converters.mitsuba.variant import mi
 from reference_tracer.errors import InputError

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.tracer.sensitivity import OBJECT, perturbed, sensitivity
 
 from ..execution import store

@@ -10,11 +10,11 @@ import zlib
 
 import numpy as np
 
-from reference_tracer.tracer.camera import canvas_point, frame
-from reference_tracer.scene.placement import is_inside
 from reference_tracer.oracle.literal import LiteralSearch, point_color
-from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.scene.model import Scene
+from reference_tracer.scene.placement import is_inside
+from reference_tracer.tracer.camera import canvas_point, frame
+from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, PROBES, SAFETY, UNIT
 
 from ..execution.store import Store

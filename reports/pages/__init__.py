@@ -1,16 +1,24 @@
-"""The pages of a report. A new kind of page is one module with a function `pages`, listed in KINDS."""
+"""The pages of a report. A new kind of page is one module with a function `pages`, listed in KINDS.
+
+A module whose page has a document of its own, beside the results, has its FILE and `read` as well; without the document
+there is no page.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
-from ..report import Report
-from . import decisions, effects, evidence, index, matrix, plan, scenes, speed, stability, transport
-from .page import Page
+from comparisons.document import Record
 
-KINDS: tuple[Callable[[Report], list[Page]], ...] = (index.pages, scenes.pages, matrix.pages, evidence.pages, effects.pages, transport.pages,
-                                                     stability.pages, speed.pages, plan.pages, decisions.pages)
+from . import decisions, evidence, matrix, plan, scenes, speed, stability, transport
+from .page import Page, Report, arrange
+
+__all__ = ["READERS", "Page", "Report", "all_pages", "arrange"]
+
+KINDS = (scenes, matrix, evidence, decisions, transport, stability, speed, plan)
+READERS: dict[str, Callable[[Path], Record]] = {kind.FILE: kind.read for kind in KINDS if hasattr(kind, "FILE")}
 
 
 def all_pages(report: Report) -> list[Page]:
-    return [page for kind in KINDS for page in kind(report)]
+    return [page for kind in KINDS for page in kind.pages(report)]

@@ -1,11 +1,47 @@
-"""One page before it is written."""
+"""What every page is made from, and one page before it is written."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import PurePosixPath
+from pathlib import Path, PurePosixPath
 
 import numpy as np
+
+from comparisons.document import Record
+from comparisons.results import Results, SceneRecord
+
+from ..cases import Absence, Case, ShownEffect, cases, effects, failed_runs
+from ..figures.pictures import ScenePictures
+
+
+@dataclass(frozen=True)
+class Report:
+    results: Results
+    cases: list[Case]  # worst first
+    absent: list[Absence]  # runs without a picture, worst first
+    effects: list[ShownEffect]  # of decisions on a picture
+    documents: dict[str, Record]  # name of the file: what else was measured; each may be missing
+    pictures: dict[str, ScenePictures]  # name of the scene: its files; filled as they are written
+    folder: Path  # of the results
+
+    def of_scene(self, scene: SceneRecord) -> list[Case]:
+        return [case for case in self.cases if case.scene.name == scene.name]
+
+    def effects_of_scene(self, scene: SceneRecord) -> list[ShownEffect]:
+        return [shown for shown in self.effects if shown.effect.scene == scene.name]
+
+    def main_picture(self, scene: SceneRecord) -> str | None:
+        """The file of the scene's picture: the model's truth if there is one, else any reference, else any run."""
+        runs = self.pictures[scene.name].runs
+        found = self.of_scene(scene)
+        keys = ([c.reference.key for c in found if c.comparison.against == "model"]
+                + [c.reference.key for c in found] + list(runs))
+        return next((runs[key].files["color"] for key in keys if key in runs), None)
+
+
+def arrange(results: Results, documents: dict[str, Record] | None = None, folder: Path = Path()) -> Report:
+    """Everything but the pictures. Raises InputError if the document contradicts itself."""
+    return Report(results, cases(results), failed_runs(results), effects(results), documents or {}, {}, folder)
 
 
 @dataclass(frozen=True)

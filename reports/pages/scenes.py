@@ -1,26 +1,48 @@
-"""A page for every scene: its picture, and each comparison with maps, numbers, and how to repeat it."""
+"""The first page, and a page for every scene: its picture, each comparison with maps, numbers, and how to repeat it."""
 
 from __future__ import annotations
 
-from ..cases import scene_page
-from ..maps import object_swatches
-from ..report import Report
-from ..words import VERDICTS, truth_sentences
-from .page import Page
+from comparisons.results import Series
+
+from ..cases import scene_page, verdict_counts
+from ..figures.charts import Axis, Line, chart
+from ..figures.maps import object_colours
+from ..figures.scale import css
+from ..text.numbers import parts
+from ..text.words import LITERAL, TRUTHS, VERDICTS, slug
+from .page import Page, Report
 
 
 def pages(report: Report) -> list[Page]:
     scenes = report.results.scenes
+    groups = [(words, [case for case in report.cases if case.comparison.verdict == verdict])
+              for verdict, words in VERDICTS.items()]
+    first = Page("index.html", "index.html.j2", {
+        "counts": verdict_counts(report.cases),
+        "groups": [group for group in groups if group[1]],
+        "studies": [(series, study(series)) for series in report.results.series],
+        "scenes": [(scene, report.main_picture(scene), report.of_scene(scene)) for scene in scenes],
+    })
     around = zip([None, *scenes[:-1]], scenes, [*scenes[1:], None])
-    return [Page(scene_page(scene), "scene.html.j2", {
+    return [first, *(Page(scene_page(scene), "scene.html.j2", {
         "scene": scene,
         "before": before,
         "after": after,
         "picture": report.main_picture(scene),
         "pictures": report.pictures[scene.name],
-        "objects": list(zip(scene.objects, scene.surfaces, object_swatches(len(scene.objects)))),
+        "objects": list(zip(scene.objects, scene.surfaces, map(css, object_colours(len(scene.objects))))),
         "cases": report.of_scene(scene),
-        "failed": [run for run in report.failed if run.scene == scene.name],
-        "truth_sentences": truth_sentences,
-        "verdicts": VERDICTS,
-    }) for before, scene, after in around]
+        "failed": [run for run in report.results.runs if run.scene == scene.name and run.state != "ok"],
+        "TRUTHS": TRUTHS,
+        "LITERAL": LITERAL,
+    }) for before, scene, after in around)]
+
+
+def study(series: Series) -> str:
+    """One number over a sweep of another, both logarithmic; what has no place there is in the table alone."""
+    lines = [Line(label + (f", slope {parts(series.slope[label])}" if label in series.slope else ""),
+                  sorted((x, y) for x, y in points if 0 < x < float("inf") and 0 <= y < float("inf")), number)
+             for number, (label, points) in enumerate(series.lines.items())]
+    shown = [point for line in lines for point in line.points]
+    return chart(f"study-{slug(series.id)}", series.title, Axis(series.x_label, [x for x, _ in shown], few=True),
+                 Axis(series.y_label, [y for _, y in shown]), lines)

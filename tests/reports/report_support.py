@@ -1,5 +1,7 @@
 """A results document with every kind of case, and the faults put into its pictures."""
 
+import re
+
 from comparisons import results as documents
 from comparisons.results import Comparison, Gate, Machine, Results, Run, SceneRecord, Series, Timing
 
@@ -42,3 +44,10 @@ def make_comparison(id: str, test: str, verdict: str, holds: bool = True) -> Com
                       reason=f"because {HOSTILE}", gates=[gate], metrics={"color max": 7.0, "SSIM": None},
                       worst=[{"row": 13, "col": 16, "error": 7.0}, {"row": 900, "col": 0, "error": 1.0}],
                       command="raytruth compare")
+
+
+def marks_of(svg: str, line: str) -> list[tuple[float, float]]:
+    """Where the marks of a chart's line stand; y runs downwards."""
+    group = svg[svg.index(f'id="{line}"'):]
+    marks = re.search(r"<g[^>]*>\s*((?:<use[^>]*/>\s*)+)", group)[1]
+    return [(float(x), float(y)) for x, y in re.findall(r'x="([-\d.]+)" y="([-\d.]+)"', marks)]

@@ -8,7 +8,7 @@ from report_support import make_comparison, make_results, make_run
 from comparisons.results import Gate
 from reference_tracer.errors import InputError
 from reference_tracer.scene import library
-from reports.cases import cases, failed_runs, is_lower_bound, tally
+from reports.cases import cases, failed_runs, is_lower_bound, verdict_counts
 
 
 @pytest.fixture
@@ -39,21 +39,26 @@ def test_the_direction_of_a_limit_follows_from_value_and_verdict():
     assert not any(is_lower_bound(gate(value, 1.0, False)) for value in (None, math.nan, math.inf, 1.0))
 
 
-def test_failures_stay_in_the_denominator(results):
-    counted = tally(cases(results), failed_runs(results))
-    # five comparisons, the crashed run among them, and the refused run that no comparison speaks of
-    assert counted.total == 6
-    assert counted.counts == {"differs": 1, "not compared": 2, "expected": 1, "agrees": 2}
-    assert [run.key for run in counted.silent] == ["refused"]
+def test_counts_equal_the_documents_and_failures_stay_in_the_denominator(results):
+    counts = verdict_counts(cases(results))
+    assert counts == {"differs": 1, "not compared": 1, "expected": 1, "agrees": 2}  # the crashed run is not compared
+    assert sum(counts.values()) == len(results.comparisons)
 
 
-@pytest.mark.parametrize("change, told", [
+def test_runs_without_a_picture_are_gathered_by_reason(results):
+    more = [make_run(key, state="missing", message="install it").model_copy(update={"title": "R"}) for key in ("x", "y")]
+    found = failed_runs(results.model_copy(update={"runs": results.runs + more}))
+    assert [(a.renderer, a.state.word, len(a.scenes)) for a in found] == [
+        ("Renderer crash", "Crashed", 1), ("R", "Missing", 2), ("Renderer refused", "Refused", 1)]
+
+
+@pytest.mark.parametrize("change, words", [
     ({"comparisons": [make_comparison("x", "nobody", "agrees")]}, "'x' names run 'nobody'"),
     ({"comparisons": [make_comparison("x", "good", "agrees").model_copy(update={"scene": "s"})]},
      "'x' names scene 's'"),
     ({"runs": [make_run("good"), make_run("good")]}, "run 'good' is listed 2 times"),
 ])
-def test_a_document_that_contradicts_itself_is_refused_in_one_line(results, change, told):
+def test_a_document_that_contradicts_itself_is_refused_in_one_line(results, change, words):
     with pytest.raises(InputError) as caught:
         cases(results.model_copy(update=change))
-    assert told in str(caught.value) and "\n" not in str(caught.value)
+    assert words in str(caught.value) and "\n" not in str(caught.value)

@@ -11,11 +11,10 @@ from comparisons import results as documents
 from comparisons.results import Effect
 from reference_tracer.tracer.image_files import to_8_bit
 from reference_tracer.scene import library
-from reports import scale
-from reports.decisions import Decision
-from reports.effects import by_decision, effects
-from reports.plot import BOTTOM, HEIGHT, TOP
-from reports.refraction import last_printed_angle, printed_direction, refracted, refraction_plot
+from reports.cases import effects
+from reports.figures import scale
+from reports.pages.decisions import (Decision, by_decision, last_printed_angle, printed_direction, refracted,
+                                     refraction_chart, refraction_curves)
 
 DECISIONS = [Decision("C2", "5", "q", "d"), Decision("E1", "4", "q", "d"), Decision("M6", "4", "q", "d")]
 
@@ -37,14 +36,14 @@ def test_the_misprint_comes_first_even_unmeasured_then_the_order_of_the_decision
     assert groups[-1].decision is None
 
 
-@pytest.mark.parametrize("broken, told", [
+@pytest.mark.parametrize("broken, words", [
     (effect("x", variant="nobody"), "do not list the run"), (effect("x", scene="nowhere"), "do not list the scene"),
     (effect("x", baseline="crash"), "signal 11"), (effect("x", variant="gone"), "runs/gone.npz is missing")])
-def test_a_missing_or_failed_run_costs_its_effect_only(folder, tmp_path, broken, told):
+def test_a_missing_or_failed_run_costs_its_effect_only(folder, tmp_path, broken, words):
     documents.write(with_effects(broken, effect("whole")), folder)
     html = reports.build(folder, tmp_path / "html").parent
     page = (html / "effects.html").read_text(encoding="utf-8").replace("&#39;", "'")
-    assert told in page and "Finding of x." in page
+    assert words in page and "Finding of x." in page
     assert sorted(p.name for p in (html / "images" / "effects").iterdir()) == ["whole.png"]
 
 
@@ -101,9 +100,10 @@ def test_the_direction_of_the_printed_formula_is_that_of_the_documents_vectors()
 
 
 def test_the_chart_of_the_misprint_ends_where_its_sine_is_one():
-    law, printed, direction, straight = (
-        [tuple(map(float, p.split(","))) for p in curve.points.split()] for curve in refraction_plot().curves)
-    assert printed[-1] == direction[-1] and printed[-1][1] == TOP  # 90 degrees
+    law, printed, direction, straight = (line.points for line in refraction_curves())
+    assert printed[-1] == direction[-1] == (last_printed_angle(), 90.0)
     assert law[-1][0] == straight[-1][0] > printed[-1][0]
-    critical = (HEIGHT - BOTTOM - law[-1][1]) / (HEIGHT - BOTTOM - TOP) * 90  # of a grazing ray: asin(2/3)
-    assert critical == pytest.approx(last_printed_angle(), abs=0.01)
+    assert law[-1][1] == pytest.approx(last_printed_angle(), rel=1e-12)  # of a grazing ray: asin(2/3)
+    svg = refraction_chart()
+    for label in ("the law, n₁/n₂", "the sine as printed", "no refraction", "90°"):
+        assert label in svg

@@ -9,7 +9,7 @@ from comparisons import results as documents
 from comparisons.attribution.document import (FILE, Attribution, Evidence, History, Judgement, Ray, Table, WorstPixel,
                                              WrongOnPurpose)
 from reference_tracer.scene import library
-from reports.evidence import CHECKED, PREFIX
+from reports.pages.evidence import CHECKED, PREFIX
 
 
 def attribution(stage="shadow") -> Attribution:
@@ -83,14 +83,14 @@ def test_a_parting_is_shown_with_the_rays_of_both_sides(built):
         assert "0.25&ensp;0.5&ensp;0.75" in page and "<script>alert" not in page
 
 
-@pytest.mark.parametrize("row, told", [
+@pytest.mark.parametrize("row, words", [
     (fault(judged(False, None)), "nothing found"), (fault(judged(True, "hit")), "named <b>hit</b>"),
     (fault(Judgement(renderer="judge", title="Renderer judge", state="missing", message="no judge here")), "missing")])
-def test_a_fault_that_is_not_found_or_named_otherwise_does_not_count(built, row, told):
+def test_a_fault_that_is_not_found_or_named_otherwise_does_not_count(built, row, words):
     assert not row.holds
     html = built(table(row))
     assert "0 of 1 fault made on purpose was found" in text(html / "evidence.html")
-    assert told in text(html / "evidence/shadow.html")
+    assert words in text(html / "evidence/shadow.html")
 
 
 def test_the_right_tracer_must_be_taken_for_nothing():

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from reference_tracer.tracer.render import HIT, MISS, UNDECIDED
-from reports import maps, scale
-from reports.planes import Planes
-from reports.rings import around_marks, around_worst
-from reports.spread import spread
+from reports.figures import maps, scale
+from reports.figures.maps import around_special, around_worst, spread
+from reports.figures.planes import Planes
 
 
 def planes(color=0.5, t=2.0, normal=(0.0, 0.0, -1.0), index=0, status=HIT) -> Planes:
@@ -34,7 +33,7 @@ def test_depth_error_is_relative_to_the_reference():
 def test_normal_error_is_the_angle_even_where_a_dot_product_has_lost_it(angle):
     # (sin a, 0, -cos a) is the normal turned by a; acos of the dot product would be 0 for a < 1e-8
     turned = planes(normal=(np.sin(angle), 0.0, -np.cos(angle)))
-    assert maps.errors(planes(), turned).normal[0, 0] == pytest.approx(angle, rel=1e-9)
+    assert maps.errors(planes(), turned).normal[0, 0] == pytest.approx(np.degrees(angle), rel=1e-9)
 
 
 def test_two_misses_have_no_geometry_to_differ():
@@ -52,7 +51,7 @@ def test_another_object_or_none_is_a_mismatch(test):
 @pytest.mark.parametrize("faulty, plane", [(planes(color=np.nan), "color"), (planes(color=np.inf), "color"),
                                            (planes(t=np.inf), "depth"), (planes(normal=(np.nan,) * 3), "normal")])
 @pytest.mark.parametrize("swap", [False, True])
-def test_what_is_not_finite_is_seen_from_both_sides(faulty, plane, swap):
+def test_what_is_not_finite_is_seen_in_either_picture(faulty, plane, swap):
     pair = (faulty, planes()) if swap else (planes(), faulty)
     errors = maps.errors(*pair).named()
     assert {name for name, error in errors.items() if np.isnan(error[0, 0])} == {plane}
@@ -89,8 +88,9 @@ def test_spread_counts_every_pixel_once():
     errors = maps.Errors(error, error, error, error, nothing=row(1, 0, 0, 0, 0, 0), mismatch=row(0, 0, 0, 1, 1, 1),
                          undecided=row(0, 0, 0, 0, 0, 1))
     found = spread(error, errors)
-    assert (found.nothing, found.equal, found.largest) == (1, 1, 1e-3)
-    assert [(swatch.name, count) for swatch, count in found.marked] == [
+    assert (found.nothing, found.equal) == (1, 1)
+    assert (found.largest, found.largest_shown) == (0.5, 1e-3)  # another object's error counts as well
+    assert [(swatch.name, count) for swatch, count in found.special] == [
         ("another object", 1), ("undecided", 1), ("not finite", 1)]
     assert len(found.bars) == 1 and found.bars[0].x == pytest.approx(100 * 6 / 9)  # 1e-3 is six of nine decades up
 
@@ -102,6 +102,6 @@ def test_rings_lie_around_pixel_centres_inside_the_picture():
     few = np.zeros((20, 20), bool)
     few[4, 7] = True
     error = np.zeros((20, 20))
-    rings = around_marks(maps.Errors(error, error, error, error, nothing=~many, mismatch=few, undecided=~many))
+    rings = around_special(maps.Errors(error, error, error, error, nothing=~many, mismatch=few, undecided=~many))
     assert [(ring.x, ring.y) for ring in rings] == [(7.5, 4.5)]
-    assert around_marks(maps.Errors(error, error, error, error, nothing=~many, mismatch=many, undecided=~many)) == ()
+    assert around_special(maps.Errors(error, error, error, error, nothing=~many, mismatch=many, undecided=~many)) == ()

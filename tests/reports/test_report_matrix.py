@@ -6,12 +6,11 @@ from report_support import HOSTILE, make_results
 
 from comparisons.agreement.matrix import matrix as build_matrix
 from comparisons.agreement.records import Absent, Dissent, Matrix, Member, Pair, Place, Tightness, write
-from reports import scale
-from reports.colours import css
-from reports.matrix import exponent, shown
-from reports.pages.matrix import finding, pages
-from reports.report import arrange
-from reports.templating import environment, rendered
+from reports.build import environment, rendered
+from reports.figures import scale
+from reports.figures.scale import css
+from reports.pages import arrange
+from reports.pages.matrix import exponent, pages, shown
 
 
 def pair(first, second, p99, agrees=True, scene="ball", broken=""):
@@ -52,15 +51,15 @@ def test_equal_and_not_finite_are_no_powers_of_ten():
 
 
 def test_reasons_are_gathered_by_renderer():
-    reason, = shown(document()).reasons
-    assert (reason.renderer, reason.word, reason.fault) == ("gone", "Refused", False) and len(reason.scenes) == 2
+    reason, = shown(document()).absent
+    assert (reason.renderer, reason.state.word, reason.state.is_fault) == ("gone", "Refused", False) and len(reason.scenes) == 2
 
 
 def test_the_finding_counts_pairs_and_scenes():
-    assert finding(shown(document())) == "1 of 2 pairs agree; on 1 scene somebody is at odds with the others."
+    assert shown(document()).finding == "1 of 2 pairs agree; on 1 scene somebody is at odds with the others."
     expected = document(dissent=[Dissent(scene="ball", renderers=["paper"], against=["exact"], expected=True, sentence="s")])
-    assert finding(shown(expected)) == "1 of 2 pairs agree; all others are the literal method’s misses."
-    assert finding(shown(document(dissent=[], pairs=[pair("exact", "mesh", 1e-6)]))) == "1 of 1 pairs agree."
+    assert shown(expected).finding == "1 of 2 pairs agree; all others are the literal method’s misses."
+    assert shown(document(dissent=[], pairs=[pair("exact", "mesh", 1e-6)])).finding == "1 of 1 pair agree."
 
 
 def test_the_page_escapes_and_marks(tmp_path):

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from reports.names import slug
+from reports.text.words import slug
 
 
 @pytest.mark.parametrize("text", ["../../etc/passwd", "a/b", "A", "a b", "", ".", "é", "x" * 500, "\x00b", "<>", "a.b"])

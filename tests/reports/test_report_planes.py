@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from report_support import make_run
 
-from reports.planes import NoPlanes, read
+from reports.figures.planes import NoPlanes, read
 
 
 def test_good_planes_are_read_exactly(folder, pictures):
@@ -13,7 +13,7 @@ def test_good_planes_are_read_exactly(folder, pictures):
     assert planes.undecided.sum() == 1
 
 
-@pytest.mark.parametrize("damage, told", [
+@pytest.mark.parametrize("damage, words", [
     (lambda path: path.unlink(), "missing"),
     (lambda path: path.write_bytes(b"garbage"), "cannot be read"),
     (lambda path: path.write_bytes(path.read_bytes()[:400]), "cannot be read"),
@@ -22,11 +22,11 @@ def test_good_planes_are_read_exactly(folder, pictures):
     (lambda path: rewrite(path, index=np.full((24, 32), "x")), "plane index does not hold numbers"),
     (lambda path: rewrite(path, t=np.zeros(5)), "plane t has shape (5,)"),
 ])
-def test_bad_planes_are_told(folder, damage, told):
+def test_bad_planes_are_told(folder, damage, words):
     damage(folder / "runs" / "good.npz")
     with pytest.raises(NoPlanes) as caught:
         read(make_run("good"), folder)
-    assert told in str(caught.value)
+    assert words in str(caught.value)
 
 
 def rewrite(path, **changes):

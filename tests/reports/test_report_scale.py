@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reports import scale
-from reports.scale import DECADES, EXACT, LEVELS, MISMATCH, NON_FINITE, TABLE, UNDECIDED, paint
+from reports.figures import scale
+from reports.figures.scale import DECADES, EXACT, LEVELS, MISMATCH, NON_FINITE, TABLE, UNDECIDED, paint
 
 
 def clear(shape) -> np.ndarray:

@@ -1,7 +1,5 @@
 """Speed against accuracy: where points stand, what the frontier is, and the pages."""
 
-import re
-
 import pytest
 from report_support import HOSTILE, make_results
 
@@ -11,10 +9,7 @@ from comparisons.bench.document import Spread
 from comparisons.charting.document import (FILE, Accuracy, Chart, Growth, GrowthLine, GrowthPoint, Point, Series,
                                           Subject, Times, Uncertainty)
 from reference_tracer.scene import library
-from reports.chart import MARKS
-from reports.scatter import BAND, BOTTOM, HEIGHT, WIDTH, Row, Style, Value, scatter
-from reports.speed import Speed
-from reports.templating import STATIC, environment, static
+from reports.pages.speed import KINDS, Speed
 
 
 def spread(seconds: float) -> Spread:
@@ -55,81 +50,56 @@ CRUDE = series("crude", point(0.05, 900), kind="control")
 ALL = (STEPS, EXACT, CRASHED, CRUDE)
 
 
-def value(cost, error) -> Value:
-    return Value(cost, error, f"{cost}", cost, cost)
-
-
-def test_equal_ratios_are_equal_distances_and_down_is_more_accurate():
-    drawn = scatter("a", "t", "x", "y", [Row(Style("m", 0), (value(1, 1000), value(10, 100), value(100, 10)))])
-    a, b, c = drawn.rows[0].points
-    assert b.x - a.x == pytest.approx(c.x - b.x, abs=0.02) and b.x > a.x
-    assert b.y - a.y == pytest.approx(c.y - b.y, abs=0.02) and b.y > a.y
-    assert not drawn.has_zeros and not drawn.has_gutter
-
-
-def test_errors_up_to_the_uncertainty_stand_in_the_band_and_others_above_it():
-    values = value(1, 1e-3), value(2, 1e-12), value(3, 0), value(4, 2e-12)
-    drawn = scatter("a", "t", "x", "y", [Row(Style("m", 0), values)], nothing=1e-12)
-    y = [p.y for p in drawn.rows[0].points]
-    base = HEIGHT - BOTTOM
-    assert drawn.has_zeros and drawn.floor == base - BAND
-    assert all(drawn.floor < y[k] < base for k in (1, 2)) and all(y[k] <= drawn.floor for k in (0, 3))
-
-
-def test_marks_of_several_methods_in_the_band_do_not_hide_each_other():
-    drawn = scatter("a", "t", "x", "y", [Row(Style(f"m{k}", k), (value(1, 0),)) for k in range(5)])
-    y = sorted(row.points[0].y for row in drawn.rows)
-    assert min(b - a for a, b in zip(y, y[1:])) >= 10
+def lines(document: Chart, kind="wrong"):
+    """The lines of the first subject's chart of that kind, and its frontier."""
+    speed = Speed(document)
+    x, y, found, best = speed.drawn(document.subjects[0], next(k for k in KINDS if k.id == kind))
+    return {line.label: line for line in found}, best
 
 
 def test_the_frontier_leaves_out_controls_and_what_is_beaten():
-    chart = Speed(make_chart(*ALL)).subjects[0].main
-    best = {(row.style.label, k) for row in chart.rows for k, p in enumerate(row.points) if p.best}
+    found, best = lines(make_chart(*ALL))
     # 0.8 s for no wrong pixel is beaten by exact's 0.3 s; the crude control is cheapest and does not count
-    assert best == {("paper", 0), ("paper", 1), ("exact", 0)}
-    corners = [tuple(map(float, corner.split(","))) for corner in chart.frontier.split()]
-    assert all(b[0] >= a[0] and b[1] >= a[1] for a, b in zip(corners, corners[1:]))  # never up, never back
+    assert best == [(100, 300), (200, 30), (300, 0)]
+    assert found["crude"].style == "muted" and found["crude"].points == [(50, 900)]
+    entries = Speed(make_chart(*ALL)).subjects[0].entries
+    assert [(e.series.id, e.point.label) for e in entries if e.best] == [("paper", "h 0.1"), ("paper", "h 0.05"), ("exact", "")]
 
 
-def test_a_failure_stands_in_the_gutter_with_its_reason():
-    chart = Speed(make_chart(*ALL)).subjects[0].main
-    other = next(row for row in chart.rows if row.style.label == "other")
-    assert chart.has_gutter and not other.points and "signal 11" in other.failed[0].text
-    assert WIDTH - chart.right < other.failed[0].x < WIDTH
-    assert all(p.x <= WIDTH - chart.right for row in chart.rows for p in row.points)
+def test_an_error_that_rounding_explains_beats_nobody():
+    found, best = lines(make_chart(series("a", point(0.1, depth=1e-13)), series("b", point(0.2, depth=0.0))), "depth")
+    assert best == [(100, 1e-13)] and set(found) == {"a", "b"}
+
+
+def test_a_failure_has_no_point_in_a_chart_and_its_reason_in_the_table():
+    found, _ = lines(make_chart(*ALL))
+    assert "other" not in found
+    assert any(e.point.message.startswith("signal 11") for e in Speed(make_chart(*ALL)).subjects[0].entries)
 
 
 def test_the_clock_of_a_busy_machine_is_the_processors():
-    quiet, busy = Speed(make_chart(EXACT)), Speed(make_chart(series("exact", point(0.3, others=1.5))))
-    assert (quiet.clock, busy.clock) == ("wall", "cpu")
-    assert "300 ms" in quiet.subjects[0].main.rows[0].points[0].text
-    assert "600 ms" in busy.subjects[0].main.rows[0].points[0].text
-    threads = busy.growths[0][1][0]
-    assert threads.y_label.startswith("wall")  # threads can only be told apart by it
+    quiet, busy = make_chart(EXACT), make_chart(series("exact", point(0.3, others=1.5)))
+    assert (Speed(quiet).clock, Speed(busy).clock) == ("wall", "cpu")
+    assert lines(quiet)[0]["exact"].points == [(300, 0)] and lines(busy)[0]["exact"].points == [(600, 0)]
+    assert lines(quiet)[0]["exact"].spread == [(150, 600)]
+    assert Speed(busy).growth(busy.growths[0], False)[1].label.startswith("wall")  # threads can only be told apart by it
 
 
 def test_series_of_a_method_share_a_colour_and_differ_in_their_filling():
-    speed = Speed(make_chart(STEPS, series("paper-32", point(1.0), method="paper"), EXACT, CRUDE))
-    styles = speed.styles
-    assert styles["paper"].number == styles["paper-32"].number != styles["exact"].number
-    assert [styles[id].hollow for id in ("paper", "paper-32", "exact")] == [False, True, False]
-    assert styles["crude"].muted and styles["crude"].mark not in MARKS
-
-
-def test_every_mark_has_a_colour_in_both_themes():
-    style = static(environment())[STATIC[0]]
-    for k in range(len(MARKS)):
-        assert f".line-{k} {{ color: var(--line-{k}); }}" in style
-        assert len(re.findall(rf"--line-{k}: #", style)) == 2
-    assert len(set(MARKS)) == len(MARKS)
+    found, _ = lines(make_chart(STEPS, series("paper-32", point(1.0), method="paper"), EXACT, CRUDE))
+    assert found["paper"].number == found["paper-32"].number != found["exact"].number
+    assert [found[id].style for id in ("paper", "paper-32", "exact")] == ["marks", "hollow", "marks"]
 
 
 def test_efficiency_has_a_linear_axis_from_nothing_to_all():
-    time, efficiency = Speed(make_chart(EXACT)).growths[0][1]
-    y = [p.y for p in efficiency.rows[0].points]
-    assert y[2] - y[1] == pytest.approx((y[1] - y[0]) / 2, abs=0.02)  # 1, 1/2, 1/4
-    falls = [p.y for p in time.rows[0].points]
-    assert falls[2] - falls[1] == pytest.approx(falls[1] - falls[0], abs=0.02)  # in the logarithm
+    speed = Speed(make_chart(EXACT))
+    _, y, found = speed.growth(speed.chart.growths[0], True)
+    assert y.range == (0.0, 1.0) and found[0].points == [(1, 1), (2, 0.5), (4, 0.25)]
+    assert speed.growth(speed.chart.growths[0], False)[1].step is None  # times are logarithmic
+
+
+def test_the_headline_says_of_which_subject_it_speaks():
+    assert Speed(make_chart(*ALL)).headline == "Ball: all is well"
 
 
 def test_the_pages_are_there_only_with_their_document(folder, tmp_path):
@@ -141,12 +111,12 @@ def test_the_pages_are_there_only_with_their_document(folder, tmp_path):
     subject = (html / "speed" / "figure-05-sphere.html").read_text(encoding="utf-8")
     for page in (overview, subject):
         assert HOSTILE not in page and page.count("<script") == 1
-        assert "<svg class=\"chart scatter\"" in page
+        assert "<svg class=\"chart\"" in page
     assert "1 point without a result" in overview and "signal 11" in overview
     assert 'href="speed/figure-05-sphere.html"' in overview and 'href="../speed.html"' in subject
-    for told in ("crashed: signal 11", "h 0.05", "two cores"):
-        assert told in subject or told in overview
-    assert subject.count("<svg class=\"chart scatter\"") == 8
+    for words in ("crashed: signal 11", "h 0.05", "two cores"):
+        assert words in subject or words in overview
+    assert subject.count("<svg class=\"chart\"") == 8
     assert 'href="speed.html"' in (html / "index.html").read_text(encoding="utf-8")
 
 

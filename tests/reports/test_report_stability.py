@@ -4,7 +4,7 @@ import json
 import re
 
 import pytest
-from report_support import HOSTILE, make_results
+from report_support import HOSTILE, make_results, marks_of
 
 import reports
 from comparisons.stability import document as documents
@@ -13,9 +13,8 @@ from comparisons.stability.document import (FamilyRecord, Finding, LawPoint, Law
                                            Stability)
 from reference_tracer.errors import InputError
 from reference_tracer.scene import library
-from reports.failures import LEAST_SHARE, LETTERS, failures
-from reports.law_plot import laws
-from reports.templating import STATIC, environment, static
+from reports.build import STATIC, environment, static
+from reports.pages.stability import LEAST_SHARE, LETTERS, failures, law_lines, laws
 
 VALUES = [0.1, 0.01, 0.001, 0.0]
 
@@ -65,7 +64,7 @@ def test_a_cell_is_filled_by_the_share_that_is_not_correct():
     cells = arranged.families[0].maps[0].rows[0].cells
     assert [c.letter for c in cells] == ["", "M", "M", "M"]
     assert [c.fill for c in cells] == [0, pytest.approx(100 * (LEAST_SHARE + (1 - LEAST_SHARE) / 4), abs=0.1), 100, 100]
-    assert cells[2].text == "p = 0.001: 75 % missed, 25 % wrong root; largest error 1e-09; 12.5 evaluations a ray"
+    assert cells[2].text == "p = 10⁻³: 75 % missed, 25 % wrong root; largest error 10⁻⁹; 12.5 evaluations a ray"
 
 
 def test_a_wrong_answer_outranks_any_number_of_undecided_ones_in_the_overview():
@@ -92,38 +91,38 @@ def test_families_with_findings_come_first_and_variants_are_no_columns():
 
 
 def test_a_law_runs_from_easy_to_hard_and_a_zero_lies_beyond_the_axis():
-    drawn = laws(family(laws=[law()]))[0].plot
-    x = [mark.x for mark in drawn.marks[0].points]
-    assert x == sorted(x)  # p falls, so the axis is turned round
-    assert x[1] - x[0] == pytest.approx(x[2] - x[1], abs=0.02)  # 0.1, 0.01, 0.001: equal ratios
+    svg = laws(family(laws=[law()]))[0].chart
+    # p falls, so the axis is turned round; line 2 is what was measured, and the band of bars has no name
+    x, y = zip(*marks_of(svg, "law-grazing-0-2"))
+    assert list(x) == sorted(x)
+    assert x[1] - x[0] == pytest.approx(x[2] - x[1], abs=0.05)  # 0.1, 0.01, 0.001: equal ratios
     assert x[3] > x[2]  # p = 0
-    rates = [mark.y for mark in drawn.marks[0].points]
-    # the top is 100 %, the base 0 %: a quarter stands a quarter of the way up
-    assert rates[1] == pytest.approx(rates[0] + 0.25 * (rates[2] - rates[0]), abs=0.02)
-    assert [(bar.low > bar.high) for bar in drawn.bars] == [True] * 4  # coordinates run downwards
+    assert y[1] == pytest.approx(y[0] + 0.25 * (y[2] - y[0]), abs=0.05)  # a quarter stands a quarter of the way up
+    theory, bars, measured = law_lines([law()])
+    assert all(low < high for low, high in bars.spread) and bars.points[1] == (0.01, 0.3)
 
 
-def test_a_measurement_outside_its_band_is_marked_and_its_law_comes_first():
+def test_a_measurement_outside_its_band_is_crossed_out_and_its_law_comes_first():
     broken = law(measured=(0.0, 0.6, 1.0, 1.0), holds=False)
     found = laws(family(laws=[law("calm"), broken]))
     assert [entry.holds for entry in found] == [False, True]
-    assert [mark.is_off for mark in found[0].plot.marks[0].points] == [False, True, False, False]
-    assert not any(mark.is_off for mark in found[1].plot.marks[0].points)
+    assert law_lines([broken])[2].off == [False, True, False, False] and not any(law_lines([law()])[2].off)
+    assert "var(--differs)" in found[0].chart and "var(--differs)" not in found[1].chart
 
 
 def test_methods_that_obey_the_same_law_share_a_chart_and_equal_measurements_their_marks():
     found = laws(family(laws=[law("a"), law("b"), law("c", measured=(0.0, 0.3, 1.0, 1.0))]))
     assert [entry.methods for entry in found] == [("a", "b", "c")]
-    assert [marks.label for marks in found[0].plot.marks] == ["a, b", "c"]
+    assert "a, b</text>" in found[0].chart and "c</text>" in found[0].chart
 
 
 @pytest.mark.parametrize("rate", [0.0, 1.0])
 def test_a_rate_that_never_changes_is_a_sentence(rate):
     same = (rate,) * 4
     entry = laws(family(laws=[law(expected=same, measured=same)]))[0]
-    assert entry.plot is None and entry.always == rate
+    assert entry.chart is None and entry.always == rate
     other = (rate, rate, rate, abs(rate - 0.25))  # one point off, and it is drawn
-    assert laws(family(laws=[law(expected=same, measured=other, holds=False)]))[0].plot is not None
+    assert laws(family(laws=[law(expected=same, measured=other, holds=False)]))[0].chart is not None
 
 
 def test_the_page_is_there_only_with_its_document(folder, tmp_path):
@@ -137,18 +136,18 @@ def test_the_page_is_there_only_with_its_document(folder, tmp_path):
     page = (html / "stability.html").read_text(encoding="utf-8")
     assert page.index("steps breaks it") < page.index("Family grazing")  # findings first
     assert HOSTILE not in page and page.count("<script") == 1
-    for told in ("When it fails", "often.", "Use instead", "other.", "<svg class=\"chart plot\""):
-        assert told in page
+    for words in ("When it fails", "often.", "Use instead", "other.", "<svg class=\"chart\""):
+        assert words in page
     assert 'href="stability.html"' in (html / "index.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("text, told", [("no document", "not a stability document"), ("[]", "not a stability document"),
+@pytest.mark.parametrize("text, words", [("no document", "not a stability document"), ("[]", "not a stability document"),
                                         (json.dumps({"version": 99}), "has version 99"),
                                         (json.dumps({"version": 1}), "created: ")])
-def test_a_bad_document_is_told_in_one_sentence_and_leaves_the_report(folder, tmp_path, text, told):
+def test_a_bad_document_is_told_in_one_sentence_and_leaves_the_report(folder, tmp_path, text, words):
     html = reports.build(folder, tmp_path / "html").parent
     (folder / documents.FILE).write_text(text)
     with pytest.raises(InputError) as caught:
         reports.build(folder, html)
-    assert told in str(caught.value) and "\n" not in str(caught.value)
+    assert words in str(caught.value) and "\n" not in str(caught.value)
     assert (html / "index.html").exists()

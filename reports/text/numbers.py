@@ -1,4 +1,4 @@
-"""How numbers are written: three digits at most, powers of ten as such, the same on every page."""
+"""How numbers are written: three digits at most, powers of ten as such, the same on every page and in every chart."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 MINUS, THIN = "\N{MINUS SIGN}", "\N{NARROW NO-BREAK SPACE}"
 PLAIN_FROM, PLAIN_BELOW = 0.01, 1e5  # between these a number is written without a power of ten
 NEAR_ONE, MOST_DECIMALS = 0.005, 7
+RAISED = str.maketrans(MINUS + "0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 @dataclass(frozen=True)
@@ -16,6 +17,12 @@ class Number:
 
     text: str
     exponent: str | None = None
+
+    def __str__(self) -> str:
+        """Where no markup is possible: in charts, and in texts that a pointer calls up."""
+        if self.exponent is None:
+            return self.text
+        return (f"{self.text}{THIN}×{THIN}" if self.text else "") + "10" + self.exponent.translate(RAISED)
 
 
 def parts(value) -> Number:

@@ -1,10 +1,12 @@
-"""What the terms of a results document mean, in words; the report explains each where it uses it."""
+"""What the terms of a results document mean; the report explains each where it uses it."""
 
 from __future__ import annotations
 
+import hashlib
+import re
 from dataclasses import dataclass
 
-from comparisons.results import Run
+LONGEST_NAME = 80
 
 
 @dataclass(frozen=True)
@@ -23,9 +25,10 @@ VERDICTS = {  # worst first
                             "There is no picture to compare: the renderer failed, is not installed, or cannot express "
                             "the scene."),
     "expected": Verdict("expected", "Differs as expected",
-                        "The pictures differ, for a reason that is known, stated, and no fault of the test side."),
+                        "The pictures differ, for a reason that is known and stated, and is no fault of the renderer."),
     "agrees": Verdict("agrees", "Agrees", "Every measured number keeps its limit."),
 }
+
 
 @dataclass(frozen=True)
 class State:
@@ -45,23 +48,22 @@ STATES = {  # worst first
 }
 
 TRUTHS = {
-    "model": ("the model’s truth", "The reference side is the model’s truth: the document’s model of light with exact "
-              "intersections, no surface missed. Every other renderer is held against it."),
-    "algorithm": ("the algorithm’s truth", "The reference side is the algorithm’s truth: the document’s method to the "
-                  "letter, its own misses included. A port that follows the document line by line is held against it."),
+    "model": "The reference is the model’s truth: the document’s model of light with exact intersections, no surface "
+             "missed. Every other renderer is held against it.",
+    "algorithm": "The reference is the algorithm’s truth: the document’s method to the letter, its own misses included. "
+                 "A port that follows the document line by line is held against it.",
 }
 
-LITERAL = ("The test side is a truth as well, of another kind: the document’s method to the letter, which walks along "
-           "the ray in fixed steps and starts Newton’s method in the middle of one. What differs here is what those "
-           "steps miss, and is the method’s own, not a defect of the program.")
+LITERAL = ("The renderer under test is a truth as well, of another kind: the document’s method to the letter, which walks "
+           "along the ray in fixed steps and starts Newton’s method in the middle of one.")
 
 KEY_METRICS = ("object mismatches", "failing pixels", "color max")  # what to show of a comparison without gates
 
-_METRICS = {
+METRICS = {
     "pixels": "all pixels of the picture",
     "interior pixels": "those away from silhouettes: one object all around, and no ray that grazes it",
     "hit pixels": "those whose centre’s ray hits something in the reference",
-    "hit/miss mismatches": "pixels that hit something on one side only",
+    "hit/miss mismatches": "pixels that hit something in one picture only",
     "object mismatches": "pixels where another object, or none, was hit",
     "interior mismatches": "the same, counted away from silhouettes only",
     "depth p99": "99 % of the interior pixels have a smaller relative error of depth",
@@ -70,8 +72,8 @@ _METRICS = {
     "normal max degrees": "the largest angle between normals of an interior pixel",
     "not finite": "pixels with a channel that is NaN or infinite",
     "color max": "the largest difference of any linear channel of any pixel",
-    "color p99": "99 % of the pixels differ by less",
-    "color mean": "the mean over the pixels",
+    "color p99": "99 % of all pixels compared differ by less",
+    "color mean": "the mean over all pixels compared",
     "failing pixels": "pixels off by more than 1/255, one step of an 8-bit picture",
     "clustered failing pixels": "failing pixels whose eight neighbours fail too: a region, not an edge",
     "mse": "mean squared error; 0 is equality",
@@ -89,13 +91,18 @@ class Metric:
 
 def metric(name: str) -> Metric:
     """The words for a metric's name; a name that is not known stands for itself."""
-    return Metric(name.replace("_", " ").replace("color", "colour"), _METRICS.get(name.lower(), ""))
+    return Metric(name.replace("_", " ").replace("color", "colour"), METRICS.get(name.lower(), ""))
+
+
+def full_stop(text: str) -> str:
+    """`text` with a full stop at its end; it begins as it is written, with the name of a function say."""
+    text = text.strip()
+    return text + ("" if not text or text[-1] in ".!?" else ".")
 
 
 def sentence(text: str) -> str:
     """`text` with a capital at its beginning and a full stop at its end."""
-    text = text.strip()
-    return capital(text) + ("" if not text or text[-1] in ".!?" else ".")
+    return capital(full_stop(text))
 
 
 def capital(text: str) -> str:
@@ -103,10 +110,17 @@ def capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
-def truth_sentences(against: str, test: Run) -> list[str]:
-    """What kind of truth a comparison's reference is, and its test side if that is one too."""
-    return [TRUTHS[against][1]] + ([LITERAL] if against == "model" and is_literal(test) else [])
+def count(number: int, one: str, many: str = "") -> str:
+    """The number with its noun: 1 scene, 2 scenes."""
+    return f"{number} {one if number == 1 else many or one + 's'}"
 
 
-def is_literal(run: Run) -> bool:
-    return run.renderer == "paper"
+def slug(text: str) -> str:
+    """A name for files and anchors, made from an untrusted text: safe on every file system, the same on every rebuild.
+
+    `text` itself if it is a plain name already; else what is plain of it, and a hash that keeps it apart.
+    """
+    plain = re.sub(r"[^a-z0-9-]+", "-", text.lower()).strip("-")[:LONGEST_NAME].strip("-")
+    if plain and plain == text:
+        return plain
+    return f"{plain}-{hashlib.sha256(text.encode('utf-8', 'surrogatepass')).hexdigest()[:8]}".lstrip("-")

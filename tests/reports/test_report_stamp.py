@@ -1,12 +1,14 @@
 """A report is left as it is only if nothing that it is made from, and nothing in it, has changed."""
 
+import importlib
 from pathlib import Path
 
 import pytest
 
 import reports
 from comparisons.stability import document as stability
-from reports import assemble, mark
+
+building = importlib.import_module("reports.build")  # the function of the same name hides it
 
 
 @pytest.fixture
@@ -17,15 +19,15 @@ def html(folder, tmp_path) -> Path:
 @pytest.fixture
 def writes(monkeypatch) -> list:
     """Grows with every report that is written."""
-    told, write = [], assemble._write
-    monkeypatch.setattr(assemble, "_write", lambda *arguments: (told.append(1), write(*arguments)))
-    return told
+    calls, write = [], building._write
+    monkeypatch.setattr(building, "_write", lambda *arguments: (calls.append(1), write(*arguments)))
+    return calls
 
 
 def test_the_same_results_are_not_written_again(folder, html, writes):
-    told = []
-    assert reports.build(folder, html, progress=told.append) == html / "index.html"
-    assert writes == [] and told == [1.0]
+    shares = []
+    assert reports.build(folder, html, progress=shares.append) == html / "index.html"
+    assert writes == [] and shares == [1.0]
 
 
 @pytest.mark.parametrize("change", [
@@ -35,8 +37,8 @@ def test_the_same_results_are_not_written_again(folder, html, writes):
     lambda folder, html: (html / "stale.html").write_text(""),
     lambda folder, html: (html / "report.css").unlink(),
     lambda folder, html: (html / "index.html").write_text("cut"),
-    lambda folder, html: (html / mark.MARK).write_text(""),
-    lambda folder, html: (html / mark.MARK).write_bytes(b"\xff\xfe"),
+    lambda folder, html: (html / building.STAMP).write_text(""),
+    lambda folder, html: (html / building.STAMP).write_bytes(b"\xff\xfe"),
 ])
 def test_any_change_of_source_or_report_builds_it_anew(folder, html, writes, change):
     change(folder, html)
@@ -52,13 +54,13 @@ def test_documents_and_source_are_in_the_fingerprint(folder, monkeypatch, tmp_pa
     from comparisons import results as documents
 
     results = documents.read(folder)
-    found = {mark.fingerprint(results, folder)}
+    found = {building.fingerprint(results, folder)}
     (folder / stability.FILE).write_text("")
-    found.add(mark.fingerprint(results, folder))
+    found.add(building.fingerprint(results, folder))
     (folder / stability.FILE).write_text("{}")
-    found.add(mark.fingerprint(results, folder))
-    monkeypatch.setattr(mark, "source_hash", lambda: "other code")
-    found.add(mark.fingerprint(results, folder))
-    monkeypatch.setattr(mark, "__file__", str(tmp_path / "mark.py"))  # other source of the reports
-    found.add(mark.fingerprint(results, folder))
+    found.add(building.fingerprint(results, folder))
+    monkeypatch.setattr(building, "source_hash", lambda: "other code")
+    found.add(building.fingerprint(results, folder))
+    monkeypatch.setattr(building, "__file__", str(tmp_path / "build.py"))  # other source of the reports
+    found.add(building.fingerprint(results, folder))
     assert len(found) == 5

@@ -8,13 +8,11 @@ from pathlib import Path
 from comparisons.results import Run
 from reference_tracer.tracer.image_files import to_8_bit, write_8_bit
 
+from ..cases import Case, ShownEffect
+from ..text.words import slug
 from . import maps, scale
-from .cases import Case
-from .effects import Shown
-from .names import slug
+from .maps import Ring, Spread, around_special, around_worst, spread
 from .planes import NoPlanes, Planes, read
-from .rings import Ring, around_marks, around_worst
-from .spread import Spread, spread
 
 RUNS, ERRORS, EFFECTS = "images/runs", "images/errors", "images/effects"
 SCALE = "images/scale.png"
@@ -64,7 +62,7 @@ def write_scale(report: Path) -> None:
     write_8_bit(scale.TABLE[None], report / SCALE)
 
 
-def write_scene(cases: list[Case], effects: list[Shown], results: Path, report: Path) -> ScenePictures:
+def write_scene(cases: list[Case], effects: list[ShownEffect], results: Path, report: Path) -> ScenePictures:
     """Writes the pictures of one scene's cases and effects below `report`, from the planes in `results`."""
     planes, missing = {}, {}
     compared = [r for case in cases for r in (case.reference, case.test)]
@@ -99,19 +97,19 @@ def _write_run(key: str, planes: Planes, span: tuple[float, float], objects: int
 
 
 def _write_case(case: Case, planes: dict[str, Planes], missing: dict[str, str], report: Path) -> Maps:
-    problem = _problem(("reference side", case.reference), ("test side", case.test), planes, missing)
+    problem = _problem(("reference", case.reference), ("renderer under test", case.test), planes, missing)
     if problem:
         return Maps({}, problem)
     test = planes[case.test.key]
     errors = maps.errors(planes[case.reference.key], test)
-    rings = {"color": around_worst(case.comparison.worst, test.shape), "objects": around_marks(errors)}
+    rings = {"color": around_worst(case.comparison.worst, test.shape), "objects": around_special(errors)}
     return Maps({kind: _write_map(error, errors, f"{ERRORS}/{case.anchor}-{kind}.png", report, rings.get(kind, ()))
                  for kind, error in errors.named().items()})
 
 
-def _write_effect(shown: Shown, planes: dict[str, Planes], missing: dict[str, str], report: Path) -> Maps:
-    sides = ("run with the decision", shown.baseline), ("run without it", shown.variant)
-    problem = shown.missing or _problem(*sides, planes, missing)
+def _write_effect(shown: ShownEffect, planes: dict[str, Planes], missing: dict[str, str], report: Path) -> Maps:
+    problem = shown.missing or _problem(("run with the decision", shown.baseline), ("run without it", shown.variant),
+                                        planes, missing)
     if problem:
         return Maps({}, problem)
     errors = maps.errors(planes[shown.baseline.key], planes[shown.variant.key])
@@ -124,10 +122,10 @@ def _write_map(error, errors: maps.Errors, file: str, report: Path, rings: tuple
 
 
 def _problem(left: tuple[str, Run], right: tuple[str, Run], planes: dict[str, Planes], missing: dict[str, str]) -> str:
-    """Why the two sides cannot be held against each other; empty if they can."""
-    for side, run in (left, right):
+    """Why two runs cannot be held against each other; empty if they can."""
+    for what, run in (left, right):
         if run.key in missing:
-            return f"No picture of the {side}: {run.message or missing[run.key]}"
+            return f"No picture of the {what}: {run.message or missing[run.key]}"
     (h, w), (other_h, other_w) = planes[left[1].key].shape, planes[right[1].key].shape
     if (h, w) != (other_h, other_w):
         return f"The pictures differ in size: {w} × {h} pixels are held against {other_w} × {other_h}."

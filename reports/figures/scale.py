@@ -6,12 +6,35 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .colours import css, from_oklch
-
 LOW, HIGH = 1e-9, 1.0
 DECADES = 9
 LEVELS = 256
 STEP = 10 ** (DECADES / (LEVELS - 1))  # ratio of two neighbouring levels' errors: 1.085
+
+
+def from_oklch(lightness, chroma, hue) -> np.ndarray:
+    """OKLCH (0..1, about 0..0.3, degrees) to 8-bit sRGB, shape (..., 3).
+
+    OKLab: Björn Ottosson, "A perceptual color space for image processing", 2020. Out-of-gamut values are clipped.
+    """
+    lightness, chroma, angle = (np.asarray(v, float) for v in (lightness, chroma, np.deg2rad(hue)))
+    a, b = chroma * np.cos(angle), chroma * np.sin(angle)
+    l, m, s = (lightness + 0.3963377774 * a + 0.2158037573 * b,
+               lightness - 0.1055613458 * a - 0.0638541728 * b,
+               lightness - 0.0894841775 * a - 1.2914855480 * b)
+    l, m, s = l**3, m**3, s**3
+    linear = np.stack([4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,
+                       -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,
+                       -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s], axis=-1)
+    linear = np.clip(linear, 0, 1)
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.floor(encoded * 255 + 0.5).astype(np.uint8)
+
+
+def css(colour) -> str:
+    """(r, g, b) in 0..255 as #rrggbb."""
+    return "#" + "".join(f"{int(c):02x}" for c in colour)
+
 
 # Colours outside the scale, told apart by lightness alone: black, dark blue, cyan, white.
 EXACT = np.array([0, 0, 0], np.uint8)
@@ -44,7 +67,7 @@ def error_of(levels) -> np.ndarray:
 
 
 def paint(error: np.ndarray, mismatch: np.ndarray, undecided: np.ndarray) -> np.ndarray:
-    """An error map, (h, w, 3) uint8, of (h, w) errors >= 0 (NaN: not finite on one of the sides).
+    """An error map, (h, w, 3) uint8, of (h, w) errors >= 0 (NaN: not finite in one of the pictures).
 
     What cannot be measured outranks what can: not finite, then undecided, then another object, then the error.
     """
@@ -66,12 +89,12 @@ class Swatch:
     means: str
 
 
-EQUAL = Swatch("equal", css(EXACT), "both sides have exactly the same number, or neither hits anything")
-MARKS = (
+EQUAL = Swatch("equal", css(EXACT), "both pictures have exactly the same number, or neither hits anything")
+SPECIAL = (
     Swatch("another object", css(MISMATCH),
-           "the ray through the pixel’s centre hits another object, or hits on one side only"),
-    Swatch("undecided", css(UNDECIDED), "at least one side reports that it cannot decide a ray of this pixel"),
-    Swatch("not finite", css(NON_FINITE), "at least one side is NaN or infinite"),
+           "the ray through the pixel’s centre hits another object, or hits in one picture only"),
+    Swatch("undecided", css(UNDECIDED), "at least one picture says that it cannot decide a ray of this pixel"),
+    Swatch("not finite", css(NON_FINITE), "at least one picture is NaN or infinite"),
 )
 
 

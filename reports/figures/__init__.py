@@ -1,0 +1,1 @@
+"""Pictures, error maps and charts."""
