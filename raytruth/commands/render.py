@@ -17,6 +17,7 @@ import time
 from pathlib import Path
 
 from .. import memory
+from ..told import kernels_told
 from ..arguments import size, whole
 
 MUCH = 1 << 22  # rays or steps at most: less than that takes a few seconds at most, and is not estimated
@@ -99,7 +100,7 @@ def _with_ours(scene, arguments):
     output = Path(arguments.output)
     memory.require(scene, planes_of(output), COPIES[output.suffix.lower()], arguments.memory)
     start, method, device = time.perf_counter(), arguments.method or "exact", arguments.device or "llvm"
-    with Progress(1.0, label=f"{scene.name}: compiling kernels") as bar:
+    with Progress(1.0, label=f"{scene.name}: compiling kernels") as bar, kernels_told(scene, bar):
         renderer = Renderer(scene, method, precision=arguments.precision, device=device, threads=arguments.threads)
         if (kinds := len({o.surface.family for o in scene.objects})) > MANY_KINDS:
             low, high = (duration(s) for s in compilation(scene, method, arguments.precision, device))
