@@ -22,7 +22,7 @@ UNENDING = 300.0  # seconds; all of them together take less than ten
 
 PROGRAM = """
 import json, sys
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Scene
 formulas, methods = json.loads(sys.argv[1])
 for formula in formulas:
