@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 
+STEADY = 1.5  # paces that differ by more are told as a range
 EVERY = 5.0  # seconds between two lines where no terminal watches; work done sooner says nothing
 
 
@@ -21,6 +22,7 @@ class Progress:
     def __init__(self, total: float, quiet: bool = False, label: str = ""):
         self.total, self.done, self.label = max(total, 1e-9), 0.0, label
         self._start = self._moved = time.monotonic()
+        self._marks: list[tuple[float, float]] = []  # when how much was done, a hundred at most
         self._terminal, self._quiet = sys.stderr.isatty(), quiet
         self._lock = threading.RLock()
         self._display: _Bar | _Lines | None = None
@@ -34,6 +36,8 @@ class Progress:
         with self._lock:
             if done != self.done:
                 self.done, self._moved = done, time.monotonic()
+                if done > (self._marks[-1][1] if self._marks else 0.0) + 0.01 * self.total:
+                    self._marks.append((self._moved, done))
             self.show(label)
 
     def show(self, label: str | None = None) -> None:
@@ -71,8 +75,16 @@ class Progress:
         now = time.monotonic()
         share, elapsed = min(self.done / self.total, 1.0), now - self._start
         known = share > 0.02 and now - self._moved < 2 * EVERY  # what stands still tells nothing
-        left = f", about {_clock(elapsed / share - elapsed)} left" if known else ""
+        left = f", {self._left(now)} left" if known else ""
         return f"{self.label + ': ' if self.label else ''}{share:.0%} after {_clock(elapsed)}{left}"
+
+    def _left(self, now: float) -> str:
+        """The time that the rest takes, at the pace of all that was done and at that of the latter half of the time."""
+        at, then = [mark for mark in ((self._start, 0.0), *self._marks) if mark[0] <= (self._start + now) / 2][-1]
+        rest = max(self.total - self.done, 0.0)
+        paces = (now - self._start) / self.done, (now - at) / max(self.done - then, 1e-9)
+        low, high = (_clock(rest * pace) for pace in (min(paces), max(paces)))
+        return f"{low} to {high}" if max(paces) > STEADY * min(paces) else f"about {_clock(rest * paces[0])}"
 
 
 class Cases(Progress):

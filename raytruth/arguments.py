@@ -84,23 +84,21 @@ def resized(scene, size: tuple[int, int] | None):
 
 def require_file(path: Path | None, suffix: str) -> None:
     """Raises InputError unless a file of that suffix can be written to `path`: before the work, not after it."""
-    import os
-
     from reference_tracer.errors import InputError
+    from reference_tracer.tracer.image_files import writable
 
     if path is None:
         return
     if path.suffix != suffix or not path.parent.is_dir():
         raise InputError(f"{path}: must end in {suffix} and lie in an existing folder")
-    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+    if path.is_dir() or not writable(path):
         raise InputError(f"{path}: cannot be written; choose another file")
 
 
 def require_folder(path: Path | None) -> None:
     """Raises InputError unless files can be written into the folder `path`, which may have to be made."""
-    import os
-
     from reference_tracer.errors import InputError
+    from reference_tracer.tracer.image_files import writable
 
     if path is None:
         return
@@ -110,5 +108,5 @@ def require_folder(path: Path | None) -> None:
         raise InputError(f"{path}: cannot be used as a folder ({getattr(error, 'strerror', None) or error})") from None
     if not there.is_dir():
         raise InputError(f"{path}: {there} is not a folder; choose another")
-    if not os.access(there, os.W_OK | os.X_OK):
+    if not writable(there):
         raise InputError(f"{path}: nothing can be written into {there}; choose another folder")

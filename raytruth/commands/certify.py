@@ -25,7 +25,11 @@ import json
 import sys
 from pathlib import Path
 
+from .. import memory
 from ..arguments import resized, size, whole
+from ..told import kernels_told
+
+BESIDE = 700  # bytes a pixel of the proofs' rows: what `certify figure-07-torus` takes at 800x600 and 1600x1200
 
 
 def add_arguments(parser):
@@ -35,6 +39,7 @@ def add_arguments(parser):
     parser.add_argument("--sample", type=whole(0), default=1000, metavar="N", help="rays to decide exactly (default 1000)")
     parser.add_argument("--paths", type=whole(0), default=16, metavar="N", help="pixels to recompute (default 16)")
     parser.add_argument("--threads", type=whole(1, 1024), metavar="N", help="threads to use (default: all cores)")
+    memory.add_argument(parser)
     parser.add_argument("--json", action="store_true", help="print a JSON list for programs")
     parser.add_argument("--random", type=int, metavar="N", help="certify N random scenes instead, those of the seeds "
                                                                 "--seed, --seed + 1, ...")
@@ -53,17 +58,21 @@ def _run(arguments) -> int:
     from reference_tracer.certify import certify
     from reference_tracer.certify.text import told
     from reference_tracer.scene import library
+    from reference_tracer.tracer.film import PLANES
 
     scenes = [library.find(name) for name in arguments.scene or library.names()]
     scenes = [resized(scene, arguments.size) for scene in scenes]
+    for scene in scenes:
+        memory.require(scene, PLANES, BESIDE, arguments.memory)
     certificates = []
     with Progress(len(scenes)) as bar:
         for k, scene in enumerate(scenes):
             def show(stage: str, share: float, done=k, name=scene.name):
                 bar.label = f"{name}: {stage}"
                 bar.to(done + share)
-            c = certify(scene, arguments.method, sample=arguments.sample, paths=arguments.paths, threads=arguments.threads,
-                        progress=show)
+            with kernels_told(scene, bar):
+                c = certify(scene, arguments.method, sample=arguments.sample, paths=arguments.paths,
+                            threads=arguments.threads, progress=show)
             certificates.append(c)
             if not arguments.json:
                 bar.close()

@@ -17,10 +17,10 @@ import time
 from pathlib import Path
 
 from .. import memory
+from ..told import kernels_told
 from ..arguments import size, whole
 
 MUCH = 1 << 22  # rays or steps at most: less than that takes a few seconds at most, and is not estimated
-MANY_KINDS = 16  # of surfaces: more take long to compile
 LONG = 3.0  # seconds from which on an estimate is told
 COPIES = {".png": 3, ".exr": 160, ".npz": 0}  # bytes a pixel that writing a file takes
 OF_OURS = ("method", "precision", "device", "threads", "memory")
@@ -92,19 +92,15 @@ def _adjusted(scene, arguments):
 
 def _with_ours(scene, arguments):
     from comparisons.progress import Progress
-    from reference_tracer.tracer.estimate import compilation, duration, estimate
+    from reference_tracer.tracer.estimate import estimate
     from reference_tracer.tracer.image_files import planes_of
     from reference_tracer.tracer.render import Renderer
 
     output = Path(arguments.output)
     memory.require(scene, planes_of(output), COPIES[output.suffix.lower()], arguments.memory)
     start, method, device = time.perf_counter(), arguments.method or "exact", arguments.device or "llvm"
-    with Progress(1.0, label=f"{scene.name}: compiling kernels") as bar:
+    with Progress(1.0, label=f"{scene.name}: compiling kernels") as bar, kernels_told(scene, bar):
         renderer = Renderer(scene, method, precision=arguments.precision, device=device, threads=arguments.threads)
-        if (kinds := len({o.surface.family for o in scene.objects})) > MANY_KINDS:
-            low, high = (duration(s) for s in compilation(scene, method, arguments.precision, device))
-            bar.log(f"raytruth: {scene.name}: {kinds} kinds of surfaces will take {low} to {high} to compile, "
-                    "unless they were compiled before")
         band = None
         if _may_be_long(scene):
             expected = estimate(renderer, lambda stage: bar.show(f"{scene.name}: {stage}"))
@@ -139,5 +135,6 @@ def _with_other_renderer(scene, arguments):
         if key in settings:
             raise InputError(f"--set {item}: sets {key} a second time; keep one of them")
         settings[key] = value
+    settings = renderers.parsed(arguments.renderer, settings)
     with Progress(1.0, label=f"{scene.name} with {arguments.renderer}"):
-        return renderers.render(arguments.renderer, scene, renderers.parsed(arguments.renderer, settings))
+        return renderers.render(arguments.renderer, scene, settings)

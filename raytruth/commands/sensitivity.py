@@ -16,6 +16,7 @@ from pathlib import Path
 
 from .. import memory
 from ..arguments import require_file, resized, size, whole
+from ..told import kernels_told
 
 BESIDE = 350  # bytes a pixel: a second picture, the differences, signatures, neighbours
 
@@ -43,7 +44,7 @@ def run(arguments) -> int:
     require_file(arguments.output, ".npz")
     scene = resized(find(arguments.scene), arguments.size)
     memory.require(scene, PLANES, BESIDE, arguments.memory)
-    with Progress(1.0, label=scene.name) as bar:
+    with Progress(1.0, label=scene.name) as bar, kernels_told(scene, bar):
         sensitivity = model.sensitivity(scene, arguments.method, arguments.precision, progress=bar.to)
     share = lambda mask: float(np.mean(mask))
     found = {"scene": scene.name, "pixels": sensitivity.bound.size,

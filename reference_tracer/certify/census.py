@@ -7,6 +7,7 @@ from collections import Counter, defaultdict
 import drjit as dr
 import numpy as np
 
+from ..tracer.compilation import announce
 from ..tracer.shading import Interaction
 from ..tracer.wavefront import Wave
 from ..tracer.world import World
@@ -58,6 +59,7 @@ class Census:
         self.reach = np.zeros(len(edges))  # of every pixel: how far off their surfaces its hits may be so far
         self.farthest = max((max(map(abs, o.surface.center)) for o in audited.scene.objects), default=0.0)
         self.largest_gap = self.largest_radius = 0.0
+        self.announced = False  # how long the proofs' kernel takes to compile
         self.first_pixel = 0  # of the band being traced; the caller sets it
 
     def observe(self, wave: Wave, interaction: Interaction) -> None:
@@ -71,6 +73,9 @@ class Census:
         rows["pixel"] = numpy(wave.slot, count).astype(np.int64) + self.first_pixel
         rows["reach"] = self.reach[rows["pixel"]] + self._rounding(rows, 0)
         sides = side_faults(self.proofs, wave.ray, self.audited.arrays.Float(rows["reach"].copy()))
+        if not self.announced:
+            self.announced = True
+            announce(1, self.audited.arrays)
         dr.eval(proven, radius, rivalled, sides)
         rows["generation"], rows["smooth"] = wave.generation, numpy(interaction.smooth, count)
         rows["edge"] = self.edges[rows["pixel"]]

@@ -28,9 +28,15 @@ def _wave_of_array(function):
     return lambda x: dr.select(dr.abs(x) <= LARGEST_ANGLE, function(x), math.nan)
 
 
+def _exp_of_array(x):
+    """drjit.exp makes a whole number of its argument, and what LLVM makes of a NaN is anything: where it sees one come (in
+    `0**x`, log(0) x) whole kernels may compute anything, or never end. Asked first, it is a NaN."""
+    return dr.select(x == x, dr.exp(x), math.nan)
+
+
 # drjit.tan loses digits below |x| = 1e-4 (relative error 3e-9 in 1.5); the quotient is good to 3 ulp there
 _ON_DRJIT = {"sqrt": dr.sqrt, "cbrt": dr.cbrt, "sin": _wave_of_array(dr.sin), "cos": _wave_of_array(dr.cos),
-             "tan": _wave_of_array(lambda x: dr.sin(x) / dr.cos(x)), "exp": dr.exp, "log": dr.log, "absolute": dr.abs}
+             "tan": _wave_of_array(lambda x: dr.sin(x) / dr.cos(x)), "exp": _exp_of_array, "log": dr.log, "absolute": dr.abs}
 
 
 def _elementary(name: str, on_scalar):
@@ -121,7 +127,7 @@ def _power_on_drjit(base, exponent):
             value = value * root if k & bit else value
         value = 1.0 / value if exponent < 0 else value
         return dr.select(base >= 0, value, math.nan)
-    value = dr.exp(dr.log(base) * exponent)
+    value = _exp_of_array(dr.log(base) * exponent)
     return value if isinstance(exponent, (int, float)) else dr.select((exponent == 0) & (base >= 0), 1.0, value)
 
 

@@ -87,12 +87,12 @@ def vanishes(tree: Node) -> bool:
     return exact is not None and exact == 0
 
 
-def constant_value(tree: Node) -> float | None:
+def constant_value(tree: Node) -> Fraction | None:
     """The value of a formula that has one everywhere, as far as exact algebra shows it; else None."""
     if vanishes(tree):
-        return 0.0
+        return Fraction(0)
     exact = polynomial(tree)
-    return float(_fraction(exact.leading_coefficient())) if exact is not None and exact.total_degree() == 0 else None
+    return _fraction(exact.leading_coefficient()) if exact is not None and exact.total_degree() == 0 else None
 
 
 def is_definite(tree: Node) -> bool:
@@ -139,8 +139,11 @@ def _term(axes: list[Node], monomial: tuple[int, ...], coefficient: float) -> No
 def _center(p: fmpq_mpoly) -> list[float]:
     """c, near the least squares solution of c . grad top + next = 0: the parts of highest and second highest degree."""
     n = p.total_degree()
-    coefficients = _coefficients(p / p.leading_coefficient())  # what floats can hold
-    top, following = ({m: float(c) for m, c in coefficients.items() if sum(m) == k} for k in (n, n - 1))
+    coefficients = _coefficients(p / p.leading_coefficient())
+    try:
+        top, following = ({m: float(c) for m, c in coefficients.items() if sum(m) == k} for k in (n, n - 1))
+    except OverflowError:  # a coefficient is beyond the largest float times another
+        return [0.0] * 3
     if n < 2 or not following:
         return [0.0] * 3
     rows: dict[tuple, int] = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
+import sys
 import warnings
 from functools import lru_cache
 
@@ -169,5 +170,6 @@ def parse_formula(text: str) -> Node:
     if not has_coordinates(tree):
         raise FormulaError("does not depend on x, y or z")
     if (value := constant_value(tree)) is not None:
-        raise FormulaError(f"does not depend on x, y or z: it is {value:g} everywhere")
+        number = f"{float(value):g}" if abs(value) <= sys.float_info.max else "no finite number"
+        raise FormulaError(f"does not depend on x, y or z: it is {number} everywhere")
     return tree

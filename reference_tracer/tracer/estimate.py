@@ -31,8 +31,6 @@ SPREAD = 1.5  # a range is as much wider than what was seen: other work slows a 
 PATIENCE = 3.0  # seconds for all trials together, without compilation
 BAND = 2.0  # seconds that a band of rays should take, so that progress is seen and an interrupt is heard
 SHORTEST_BAND = 1 << 10  # rays
-MEASURED_KINDS = 4  # of surfaces, to know how long many of them take to compile
-SUPERLINEAR = 1.35  # `raytruth render` of 5, 20, 40 and 200 formulas: 1.0, 4.8, 11 and 185 s of the processor
 
 STARTED = 400 << 20  # bytes of the process with its libraries and a small kernel
 WAVE_ROW = 300  # bytes of intermediate results a ray of the wave that is traced
@@ -164,20 +162,6 @@ def estimate(renderer: Renderer, told: Callable[[str], None] = lambda stage: Non
     likely = float(np.mean(trees))
     band = int(min(MOST_RAYS, max(SHORTEST_BAND, BAND / (cost * likely))))
     return Estimate(camera, most, (min(low, high), high), (low * cost / SPREAD, SPREAD * high * cost), band)
-
-
-def compilation(scene: Scene, method: str, precision: int | None, device: str) -> tuple[float, float]:
-    """The seconds (low, high) that the kernels of a scene of many kinds of surfaces take to compile.
-
-    Measured on a few of them: the time grows faster than their number, as its power 1 to SUPERLINEAR.
-    """
-    kinds = {o.surface.family: o for o in scene.objects}
-    few = [*kinds.values()][::-(-len(kinds) // MEASURED_KINDS)]
-    start = time.perf_counter()
-    _run(Renderer(scene.model_copy(update={"objects": tuple(few)}), method, precision=precision, device=device), 0, FEWEST,
-         1, patience=0.0)
-    seconds, ratio = time.perf_counter() - start, len(kinds) / len(few)
-    return 0.8 * seconds * ratio, 1.25 * seconds * ratio**SUPERLINEAR
 
 
 def _run(renderer: Renderer, first: int, count: int, samples: int, patience: float) -> tuple[_Trial, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import tempfile
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
@@ -30,8 +31,20 @@ def require_writable(path: Path) -> None:
         raise InputError(f"{path}: the output must end in one of {', '.join(SUFFIXES)}")
     if not path.parent.is_dir():
         raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
-    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+    if path.is_dir() or not writable(path):
         raise InputError(f"{path}: cannot be written; choose another file")
+
+
+def writable(path: Path) -> bool:
+    """Whether a file can be written to `path`, or into it where it is a folder: tried, since permissions do not tell of
+    every file system."""
+    try:
+        if path.exists() and not path.is_dir():
+            return os.access(path, os.W_OK)
+        with tempfile.TemporaryFile(dir=path if path.is_dir() else path.parent):
+            return True
+    except (OSError, ValueError):
+        return False
 
 
 def planes_of(path: Path) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ from typing import Protocol
 
 import drjit as dr
 
+from .compilation import announce
 from .rays import BITS, Hit, Ray, Sides
 from .shading import Interaction, interact
 from .world import World
@@ -196,7 +197,7 @@ class Wavefront:
     def __init__(self, world: World, observe: Callable[[Wave, Interaction], None] | None = None,
                  disturb: Callable[[Wave], Ray] | None = None):
         self.world, self.observe, self.disturb = world, observe, disturb
-        self.rays = 0
+        self.rays, self._announced = 0, False
         self._recorded = dr.freeze(self._step, warn_after=1 << 30)
 
     def trace(self, source: Source, count: int, slots: int, primary: bool = True,
@@ -262,6 +263,9 @@ class Wavefront:
                     film.add(world, world.arrays.Vector(*world.background), weight, wave.slot)
             parents = None
         met = Primary.of(world, interaction.hit, interaction.point, interaction.normal) if primary else None
+        if not self._announced:
+            self._announced = True
+            announce(1 + min(world.scene.tracing.max_depth, 2) * bool(parents and parents.weights), world.arrays)
         if watched:
             dr.eval(film, interaction)
             if self.observe:

@@ -64,6 +64,14 @@ def test_the_time_left_follows_from_the_share(monkeypatch, share, elapsed, left)
     assert "left" not in bar.line, "work that has stood still for a minute tells nothing of what is left"
 
 
+def test_where_the_pace_changes_the_time_left_is_a_range():
+    bar = Progress(1, quiet=True)
+    now = time.monotonic()
+    bar.done, bar._start, bar._marks, bar._moved = 0.6, now - 100, [(now - 60, 0.5), (now, 0.6)], now
+    # 0.6 in 100 s, and 0.1 in the last 60: the other 0.4 will take 67 s at the one pace, 240 at the other
+    assert "1:06 to 4:00 left" in bar.line or "1:07 to 4:01 left" in bar.line or "1:06 to 4:01 left" in bar.line
+
+
 def test_a_terminal_shows_a_bar_and_is_left_clean():
     """In a child with a terminal of its own: the bar appears, a logged line stays, the cursor comes back."""
     program = ("import time; from comparisons.progress import Progress\n"

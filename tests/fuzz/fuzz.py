@@ -39,7 +39,7 @@ STUCK = 60.0  # seconds without an answer and without work
 LONGEST = 400.0  # seconds of work on one input, whatever it tells
 LONGEST_SENTENCE = 700  # characters
 ESTIMATE, PROGRESS = re.compile(r"^raytruth: .* will take ", re.MULTILINE), re.compile(r"\d% after \d", re.MULTILINE)
-LEFT = re.compile(r"about [\d:]+ left")
+LEFT = re.compile(r"(about|[\d:]+ to) [\d:]+ left")
 TICKS = os.sysconf("SC_CLK_TCK")
 
 

@@ -176,7 +176,7 @@ def started(scene, tmp_path):
     process = subprocess.Popen([sys.executable, "-c", program, "render", tmp_path / "scene.json", "-o", tmp_path / "out.png"],
                                stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     for line in process.stderr:
-        if " will take " in line:
+        if "rays" in line and " will take " in line:
             return process, line
     raise AssertionError("it ended without an estimate")
 
@@ -277,3 +277,36 @@ def test_an_interruption_is_one_whoever_raises_it(wrapped, monkeypatch, capsys):
     monkeypatch.setattr(scenes, "run", lambda arguments: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         main(["scenes"])
+
+
+@pytest.mark.parametrize("command", [["render", "-o", "{dir}/a.npz"], ["certify", "--paths=0", "--sample=0"], ["sensitivity"]])
+def test_what_kernels_take_to_compile_is_told_before(command, tmp_path, monkeypatch, capsys):
+    """For any size of picture, by each command that compiles; what would surely be short is not told."""
+    from raytruth import cli, told
+
+    arguments = [command[0], "figure-05-sphere", "--size=4x3", *(a.replace("{dir}", str(tmp_path)) for a in command[1:])]
+    cli.main(arguments)
+    assert "to compile" not in capsys.readouterr().err
+    monkeypatch.setattr(told, "UNTOLD", 0.1)
+    cli.main(arguments)
+    assert re.search(r"^raytruth: figure-05-sphere: .* operations will take .* to compile", capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("command", [["render", "-o", "/proc/a.npz"], ["sensitivity", "-o", "/proc/a.npz"],
+                                     ["plan", "-o", "/proc/a.json"], ["plan", "--results", "/proc/a"]])
+def test_a_place_that_takes_no_files_is_refused_before_the_work(command, capsys, monkeypatch):
+    """The permissions of /proc let root write."""
+    from reference_tracer.tracer.render import Renderer
+
+    monkeypatch.setattr(Renderer, "__init__", lambda *_, **__: pytest.fail("the work has begun"))
+    from raytruth import cli
+
+    assert cli.main([command[0], "figure-05-sphere", *command[1:]]) == 2
+    assert "/proc" in capsys.readouterr().err
+
+
+def test_a_certificate_that_does_not_fit_memory_is_refused(capsys):
+    from raytruth import cli
+
+    assert cli.main(["certify", "figure-05-sphere", "--size=4096x4096"]) == 2
+    assert "of memory" in capsys.readouterr().err
