@@ -18,7 +18,7 @@ from flint import fmpq_mpoly
 
 from .exact_polynomial import polynomial, tree_of, vanishes
 from .formula import (Call, Coordinate, Negation, Node, Number, Power, Product, RealPower, Sum, children, degree,
-                      has_coordinates, negation, product, rebuilt, total)
+                      has_coordinates, negation, product, rebuilt, sign_parts, total)
 
 LARGEST_SCALE = 64  # |log2| of the size of values beyond which scale is taken out: squares of gradients stay finite
 MOST_TERMS = 500  # of an expanded form; longer ones cost more than they save
@@ -180,8 +180,8 @@ def is_nonnegative(tree: Node) -> bool:
             return value >= 0
         case Sum(terms):
             return all(_adds(sign, term, is_nonnegative) for sign, term in terms)
-        case Product(factors):
-            return all(is_nonnegative(factor) for _, factor in factors)
+        case Product():
+            return all(map(is_nonnegative, sign_parts(tree)))
         case Power(base, n):
             return n % 2 == 0 or is_nonnegative(base)
         case RealPower():
