@@ -14,11 +14,11 @@ from reference_tracer.certify.search import precision
 from reference_tracer.errors import InputError
 from reference_tracer.numbers import Dual, Interval, OutwardInterval
 from reference_tracer.numbers.exact import Series
-from reference_tracer.render import render
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.expression import Bounds, forms_of
 from reference_tracer.surfaces.formula import FormulaError
 from reference_tracer.surfaces.formula_parser import parse_formula
+from reference_tracer.tracer.render import render
 
 BOX = {"low": [-1.5] * 3, "high": [1.5] * 3}
 
