@@ -129,7 +129,7 @@ def _compiled(node) -> Callable[[_Evaluation], object]:
             return lambda e: apply(of_a(e), of_b(e))
         case ast.Call(func=ast.Name(id=name), args=arguments):
             parts = [_compiled(argument) for argument in arguments]
-            return lambda e: getattr(e.numbers, name)(*[part(e) for part in parts])
+            return lambda e: getattr(e.numbers, name, _no_polynomial)(*[part(e) for part in parts])
     raise ValueError(f"a formula may not hold {ast.dump(node)}")
 
 
@@ -150,16 +150,9 @@ class _Polynomials:
             raise NotPolynomial("a division")
         return a * (1 / b)
 
-    def __getattr__(self, name):
-        raise NotPolynomial(name)
-
 
 def _no_polynomial(*arguments):
     raise NotPolynomial("a function")
-
-
-for _name in ("sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "abs", "min", "max"):
-    setattr(_Polynomials, _name, staticmethod(_no_polynomial))
 
 
 class Taylor:

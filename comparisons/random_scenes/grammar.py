@@ -9,6 +9,7 @@ formula, whose kernels are compiled once, and everything else anew.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from random import Random
@@ -396,14 +397,4 @@ SOLIDS: dict[str, list[Callable[[_Draw], Shape | dict]]] = {
 
 def _with(text: str, write: Callable[[str], str]) -> str:
     """The formula with every coordinate written otherwise."""
-    out, k = [], 0
-    while k < len(text):
-        word = text[k]
-        if word.isalpha():
-            end = k
-            while end < len(text) and text[end].isalnum():
-                end += 1
-            word = text[k:end]
-        out.append(write(word) if word in ("x", "y", "z") else word)
-        k += len(word)
-    return "".join(out)
+    return re.sub(r"\b[xyz]\b", lambda found: write(found[0]), text)

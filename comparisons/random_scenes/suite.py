@@ -34,27 +34,34 @@ class Total:
     faults: int = 0
     wrong: int = 0  # decided pixels
     counts: Counter = field(default_factory=Counter)
+    worst: tuple[int, int, int] = (0, 0, -1)  # avoidably undecided hits, all hits and seed of the scene with most of them
 
     @classmethod
-    def of(cls, *answers: Answer) -> Total:
-        total = cls()
-        for answer in answers:
-            total.add(answer)
-        return total
+    def of(cls, answer: Answer) -> Total:
+        c = answer.counts
+        return cls(1, bool(answer.fault), len(answer.wrong), Counter(c),
+                   (c.get("avoidable_hits", 0), c.get("hits", 0), answer.seed))
 
-    def add(self, answer: Answer) -> None:
-        self.scenes += 1
-        self.faults += bool(answer.fault)
-        self.wrong += len(answer.wrong)
-        self.counts.update(answer.counts)
+    def __add__(self, other: Total) -> Total:
+        counts = Counter(self.counts)
+        counts.update(other.counts)  # the sum of two counters forgets what is zero
+        return Total(self.scenes + other.scenes, self.faults + other.faults, self.wrong + other.wrong, counts,
+                     max(self.worst, other.worst, key=lambda worst: worst[0]))
 
     @property
     def undecided(self) -> float:
         """The share of hits that the method calls undecided although the oracle knows what is right."""
         return self.counts["avoidable_hits"] / max(self.counts["hits"], 1)
 
+    def missed(self, kind: str) -> list[str]:
+        """What keeps the total of one kind from holding."""
+        much = self.undecided > MOST_UNDECIDED and kind not in EXCUSED
+        return [text for text, holds in ((f"{self.faults:,} scene(s) failed", not self.faults),
+                                         (f"{self.wrong:,} decided pixel(s) wrong", not self.wrong),
+                                         (f"{self.undecided:.2%} of the hits undecided", not much)) if not holds]
+
     def holds(self, kind: str) -> bool:
-        return not self.wrong and not self.faults and (kind in EXCUSED or self.undecided <= MOST_UNDECIDED)
+        return not self.missed(kind)
 
 
 def run(count: int, seed: int, jobs: int, method: str = "exact") -> Iterator[Answer]:

@@ -94,23 +94,28 @@ def _run_random(arguments) -> int:
     for name, low, high in (("random", 1, 10_000_000), ("seed", 0, 10**12), ("jobs", 1, 64)):
         if not low <= getattr(arguments, name) <= high:
             raise InputError(f"--{name}: must be {low} to {high}; found {getattr(arguments, name)}")
-    totals = {}
+    totals, stopped = {}, False
     with Progress(arguments.random, label="random scenes") as bar:
         try:
             for answer in suite.run(arguments.random, arguments.seed, arguments.jobs, arguments.method):
-                totals.setdefault(answer.kind, suite.Total()).add(answer)
-                if not suite.Total.of(answer).holds(answer.kind):
+                one = suite.Total.of(answer)
+                totals[answer.kind] = totals[answer.kind] + one if answer.kind in totals else one
+                if not one.holds(answer.kind):
                     bar.close()
                     _tell_failure(answer, grammar.draw(answer.seed).scene, arguments)
                 bar.step()
         except KeyboardInterrupt:
             done = max(sum(t.scenes for t in totals.values()) - arguments.jobs, 0)  # those under way are made again
             bar.close()
-            print(f"stopped after {done} scenes; go on with --random {arguments.random - done} --seed {arguments.seed + done}")
+            print(f"stopped after {done} scenes; go on with --random {arguments.random - done} --seed {arguments.seed + done}",
+                  file=sys.stderr)
+            stopped = True
     if arguments.json:
         print(json.dumps({kind: {**vars(total), "counts": dict(total.counts)} for kind, total in totals.items()}, indent=1))
     else:
         print(_table(totals))
+    if stopped:
+        raise KeyboardInterrupt
     return int(not all(total.holds(kind) for kind, total in totals.items()))
 
 
@@ -127,21 +132,22 @@ def _tell_failure(answer, scene: dict, arguments) -> None:
 
 
 def _table(totals) -> str:
-    from comparisons.random_scenes.suite import Total
+    """What every kind of scene came to, and whether that holds."""
+    from comparisons.random_scenes.suite import EXCUSED, MOST_UNDECIDED, Total
 
-    whole = Total()
-    for total in totals.values():
-        whole.scenes, whole.faults, whole.wrong = (whole.scenes + total.scenes, whole.faults + total.faults,
-                                                   whole.wrong + total.wrong)
-        whole.counts.update(total.counts)
-    lines = [f"{'random scenes':<22}{'scenes':>8}{'failed':>8}{'pixels':>9}{'hits':>9}{'wrong':>8}{'undecided':>11}"
-             f"{'avoidable':>11}{'untold':>8}"]
-    for kind, t in [*sorted(totals.items()), ("all", whole)]:
-        c = t.counts
-        lines.append(f"{kind:<22}{t.scenes:>8,}{t.faults:>8,}{c['pixels']:>9,}{c['hits']:>9,}{t.wrong:>8,}"
-                     f"{c['undecided_hits'] / max(c['hits'], 1):>11.2%}{t.undecided:>11.2%}{c['unsettled']:>8,}")
-    return "\n".join([*lines, "", "hits and their undecided share; avoidable: the oracle knows these; untold: pixels that "
-                      "the oracle cannot tell"])
+    lines = [f"{'random scenes':<22}{'scenes':>8}{'failed':>8}{'pixels':>9}{'untold':>8}{'wrong':>7}{'hits':>9}"
+             f"{'undecided':>11}{'avoidable':>11}{'share':>8}  worst scene"]
+    for kind, t in [*sorted(totals.items()), ("all", sum(totals.values(), Total()))]:
+        c, (most, hits, seed) = t.counts, t.worst
+        worst = f"{most} of {hits}: seed {seed}" if most else "-"
+        lines.append(f"{kind:<22}{t.scenes:>8,}{t.faults:>8,}{c['pixels']:>9,}{c['unsettled']:>8,}{t.wrong:>7,}{c['hits']:>9,}"
+                     f"{c['undecided_hits']:>11,}{c['avoidable_hits']:>11,}{t.undecided:>8.2%}  {worst}")
+    missed = [f"{kind}: {what}" for kind, t in sorted(totals.items()) for what in t.missed(kind)]
+    return "\n".join([*lines, "", "untold: pixels that the oracle cannot tell; avoidable: undecided hits whose colour it knows, "
+                      "and their share of all hits", "",
+                      *([f"does not hold: {text}" for text in missed] or
+                        ["holds: no scene failed, no decided pixel is wrong, and of no kind more than "
+                         f"{MOST_UNDECIDED:.0%} of the hits is avoidably undecided (but {', '.join(EXCUSED)}: see --help)"])])
 
 
 def _summary(certificates) -> str:

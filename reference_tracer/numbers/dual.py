@@ -84,6 +84,10 @@ class Dual:
             return 1.0 / self**-n
         return self._chain(fn.whole_power(self.value, n), n * fn.whole_power(self.value, n - 1))
 
+    def of_sign(self, *parts):
+        return Dual(fn.of_sign(self.value, *(part.value if isinstance(part, Dual) else part for part in parts)),
+                    self.derivatives)
+
     # --- elementary functions --------------------------------------------------------------------------------------
     def sqrt(self):
         root = fn.sqrt(self.value)

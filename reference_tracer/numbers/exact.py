@@ -6,6 +6,8 @@ numbers they are. `Series` is the Taylor polynomial of g about a ball of t (Joha
 
 from __future__ import annotations
 
+import math
+
 from flint import arb, arb_series, fmpq, fmpq_poly
 
 from .polynomial import NotAlgebraic
@@ -151,6 +153,11 @@ class Series:
         for _ in range(n):
             power = power * self.s
         return Series(power, n % 2 == 0 or self.nonnegative)
+
+    def of_sign(self, *parts):
+        """The same; not negative where the product of `parts` is not."""
+        signs = [1 if part.nonnegative else -1 if part.s[0] <= 0 else 0 for part in map(self._of, parts)]
+        return Series(self.s, self.nonnegative or math.prod(signs) > 0)
 
     # --- elementary functions --------------------------------------------------------------------------------------
     @staticmethod

@@ -12,7 +12,7 @@ import drjit as dr
 import numpy as np
 
 __all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "power", "minimum", "maximum", "select", "fma",
-           "where_larger", "quotient", "whole_power"]
+           "where_larger", "quotient", "whole_power", "of_sign"]
 
 # Dr.Jit's fp64 sine and cosine are good to an absolute 2**-52 below this angle, and from about 2**31.6 on they return
 # numbers of any size: `make enclosures`. Beyond it Dr.Jit's floats have none here, NaN, and
@@ -88,6 +88,13 @@ def whole_power(base, n: int):
         return base**n
     with np.errstate(all="ignore"):
         return float(np.float64(base)**n) if isinstance(base, (int, float)) else base**n
+
+
+def of_sign(number, *parts):
+    """`number`, whose sign is that of the product of `parts`: types that hold many numbers at once may learn from it that
+    none of them is negative, as of x*y*x*y, which has no such parts."""
+    method = getattr(number, "of_sign", None)
+    return number if method is None else method(*parts)
 
 
 def power(base, exponent):

@@ -108,6 +108,14 @@ class Interval:
         """The same interval, of numbers that are not negative."""
         return type(self)(self.low, self.high, True)
 
+    def of_sign(self, *parts):
+        """The same interval; it is not negative where the product of `parts` is not."""
+        above, below = True, False  # whether the product so far is >= 0, <= 0
+        for part in map(self.of, parts):
+            up, down = _either(part.nonnegative, part.low >= 0), part.high <= 0
+            above, below = (_either(_both(above, up), _both(below, down)), _either(_both(above, down), _both(below, up)))
+        return type(self)(self.low, self.high, _either(self.nonnegative, above))
+
     def _finite_inside(self):
         """The same interval, its lower bound not +inf and its upper one not -inf."""
         return type(self)(fn.minimum(self.low, _LARGEST), fn.maximum(self.high, -_LARGEST), self.nonnegative)

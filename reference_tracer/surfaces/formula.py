@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import operator
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
@@ -170,9 +171,13 @@ def evaluator(tree: Node) -> Callable:
 
     def visit(node: Node) -> int:
         if node not in place:
-            operands = tuple(visit(child) for child in children(node))
+            operands = tuple(map(visit, children(node)))
             place[node] = len(steps)
             steps.append((_operation(node), operands))
+            if isinstance(node, Product | Negation):
+                parts = tuple(map(visit, sign_parts(node)))
+                steps.append((lambda point, numbers, *values: fn.of_sign(*values), (place[node], *parts)))
+                place[node] = len(steps) - 1
         return place[node]
 
     visit(tree)
@@ -293,6 +298,30 @@ def written(tree: Node) -> str:
 
 def has_coordinates(tree: Node) -> bool:
     return isinstance(tree, Coordinate) or any(map(has_coordinates, children(tree)))
+
+
+def sign_parts(tree: Node) -> tuple[Node, ...]:
+    """Parts of `tree` whose signs multiply to its own, where it is defined; none where it is not negative by its structure.
+
+    A part that occurs twice is a square, which does not count: x*y*x*y has none.
+    """
+    def of(node: Node) -> tuple[Node, ...]:
+        match node:
+            case Number(value):
+                return () if value >= 0 else (Number(-1.0),)
+            case Negation(operand):
+                return Number(-1.0), *of(operand)
+            case Product(factors):
+                return tuple(part for _, factor in factors for part in of(factor))
+            case Power(base, n):
+                return of(base) if n % 2 else ()
+            case Call("cbrt", (operand,)):
+                return of(operand)
+            case RealPower() | Call("sqrt" | "exp" | "abs"):
+                return ()
+        return (node,)
+
+    return tuple(part for part, times in Counter(of(tree)).items() if times % 2)
 
 
 def degree(tree: Node) -> int | None:

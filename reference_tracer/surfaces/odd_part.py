@@ -33,6 +33,7 @@ from .formula import (
     negation,
     product,
     rebuilt,
+    sign_parts,
     total,
 )
 
@@ -196,8 +197,8 @@ def is_nonnegative(tree: Node) -> bool:
             return value >= 0
         case Sum(terms):
             return all(_adds(sign, term, is_nonnegative) for sign, term in terms)
-        case Product(factors):
-            return all(is_nonnegative(factor) for _, factor in factors)
+        case Product():
+            return all(map(is_nonnegative, sign_parts(tree)))
         case Power(base, n):
             return n % 2 == 0 or is_nonnegative(base)
         case RealPower():

@@ -159,6 +159,22 @@ def test_a_method_that_decides_nothing_does_not_hold(monkeypatch):
     assert suite.Total.of(suite.Answer(**answer)).holds(suite.EXCUSED[0])
 
 
+def test_a_kind_holds_if_its_scenes_together_do(monkeypatch, capsys):
+    """One hit of a hundred and one may be undecided; two are too many, and the scene with most of them is named."""
+    counts = lambda hits, undecided: dict(pixels=16, hits=hits, undecided_hits=undecided, avoidable_hits=undecided)
+    answers = [suite.Answer(1, "sines", [], counts=counts(16, 1)), suite.Answer(2, "sines", [], counts=counts(85, 0))]
+    monkeypatch.setattr(suite, "run", lambda *how: iter(answers))
+    assert main(["certify", "--random", "2"]) == 0
+    assert "\nholds: " in capsys.readouterr().out
+    answers.append(suite.Answer(3, "sines", [], counts=counts(16, 2)))
+    assert main(["certify", "--random", "3"]) == 1
+    out = capsys.readouterr().out
+    assert "does not hold: sines: 2.56% of the hits undecided" in out and "2 of 16: seed 3\n" in out
+    answers[2:] = [suite.Answer(3, "roots", [], fault="MemoryError: no")]
+    assert main(["certify", "--random", "3"]) == 1
+    assert "does not hold: roots: 1 scene(s) failed" in capsys.readouterr().out
+
+
 # --- the command -------------------------------------------------------------------------------------------------------
 def test_the_command_adds_up_and_repeats_failures(monkeypatch, capsys, tmp_path):
     command = ["certify", "--random", "2", "--seed", "16", "-o", str(tmp_path / "failures")]
@@ -173,6 +189,7 @@ def test_the_command_adds_up_and_repeats_failures(monkeypatch, capsys, tmp_path)
     assert main(command) == 1
     out = capsys.readouterr().out
     assert "raytruth certify --random 1 --seed 16;" in out and "distance: t = " in out
+    assert f"does not hold: {grammar.draw(16).kind}: " in out and "decided pixel(s) wrong" in out
     assert json.loads((tmp_path / "failures" / "random-16.json").read_text()) == grammar.draw(16).scene
 
 

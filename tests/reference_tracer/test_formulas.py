@@ -6,16 +6,19 @@ import warnings
 
 import numpy as np
 import pytest
+from flint import arb
 from tracing_support import make_scene, shoot, thing
 
 from reference_tracer.certify.line import follow
+from reference_tracer.certify.search import precision
 from reference_tracer.errors import InputError
-from reference_tracer.numbers import OutwardInterval
-from reference_tracer.tracer.render import render
+from reference_tracer.numbers import Dual, Interval, OutwardInterval
+from reference_tracer.numbers.exact import Series
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.expression import Bounds, forms_of
 from reference_tracer.surfaces.formula import FormulaError
 from reference_tracer.surfaces.formula_parser import parse_formula
+from reference_tracer.tracer.render import render
 
 BOX = {"low": [-1.5] * 3, "high": [1.5] * 3}
 
@@ -217,6 +220,31 @@ def test_equal_factors_are_a_square_for_every_number_type():
     value = f.regular(*(OutwardInterval(-2.0, 2.0) for _ in range(3)), **f.parameters)
     assert value.low <= -1 and -1.001 < value.low and value.high == pytest.approx(math.sqrt(2.3**2 + 8) - 1)
     assert family("(x - 1)*(x - 1) - y") != family("(x - 1)*(x - 2) - y")
+
+
+@pytest.mark.parametrize("square", [
+    "x*x*y*y", "x*y*x*y", "x/3*(x/3)", "(x/3)*(x/3)*y*y", "(x*x)*y*y", "-x*-x*y**2", "-x*(-x)", "-(-x*x)", "-2*x*(x/-3)",
+    "x*(y*y + z*z)*x", "x*y**3*(x*y)", "x*exp(y)*x", "x/y*(y*x)", "cbrt(x)*x", "x*abs(y)/7*x"])
+def test_a_product_of_pairs_is_not_negative_however_it_is_written(square):
+    """Its root and its real powers are defined wherever it is; interval arithmetic alone sees factors of both signs."""
+    for number in (OutwardInterval, Interval):
+        point = number(-2.0, 2.0), number(0.2), number(-0.3)
+        for form in (f"sqrt({square}) + 0*x", f"({square})**1.3 - 1"):
+            f, thin = forms_of(form), forms_of(form).function(1.5, 0.2, -0.3)
+            value = number.of(f.function(*point, **f.parameters))
+            assert -1.1 < value.low <= thin <= value.high < 20
+            slope = f.function(*Dual.along(point, (1.0, 0.0, 0.0)), **f.parameters).value
+            assert slope.low <= thin <= slope.high
+    with precision(96):
+        ball = forms_of(f"({square})**1.3").function(*Series.along((0, 0.2, -0.3), (1, 0, 0), arb(0, 2)))
+        assert ball.s[0].contains(arb(forms_of(f"({square})**1.3").function(1.5, 0.2, -0.3))) and ball.nonnegative
+
+
+@pytest.mark.parametrize("product", ["x*x*x", "-x*x", "x*y*x", "x/3*(x/-3)", "-2*x*(x*3)", "x*log(x)*x", "-(x*x)", "x*x*(x + 1)"])
+def test_a_product_that_may_be_negative_has_no_root(product):
+    f = forms_of(f"sqrt({product}) + 0*x")
+    value = f.function(OutwardInterval(-2.0, 2.0), OutwardInterval(-1.0), OutwardInterval(1.0), **f.parameters)
+    assert math.isnan(value.low) and math.isnan(value.high)
 
 
 def test_sixty_baked_balls_are_one_family_and_what_spheres_show():
