@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import drjit as dr
 
-from reference_tracer.errors import InputError
 from reference_tracer.tracer.optics import Optics, Refraction
 from reference_tracer.tracer.world import World
 
+from ..suites import choose
 from .document import Stage
 
 
@@ -133,6 +133,4 @@ FAULTS = {f.id: f for f in (
 
 def fault(id: str) -> Fault:
     """The fault called `id`. Raises InputError."""
-    if id not in FAULTS:
-        raise InputError(f"unknown fault {id!r}; choose one of {', '.join(FAULTS)}")
-    return FAULTS[id]
+    return choose([id], FAULTS, "unknown fault")[0]

@@ -8,7 +8,6 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from pydantic import ValidationError
 
 from reference_tracer.scene import library
 from reference_tracer.scene.load import parse_scene
@@ -20,6 +19,7 @@ from ..execution import pool as pools
 from ..execution import store
 from ..execution.pool import Pool, Progress
 from ..renderers import RENDERERS
+from ..suites import reader
 from . import cases, rays
 from .cases import FAULTS, Fault
 from .document import (
@@ -200,15 +200,9 @@ def make_all(tasks: Sequence[Task], folder: Path, pool: Pool, limit: float = SEC
     found = pools.complete([pools.Task(task.key, f"attribution: {task.scene.name}, {task.fault or task.b}",
                                        f"{__name__}:answer", {
         "scene": task.scene.model_dump_json(by_alias=True), "a": task.a, "b": task.b, "fault": task.fault},
-        limit, "attribution") for task in tasks], store.Store(folder, FOLDER), pool, Answer.model_validate_json, _settled)
+        limit, "attribution") for task in tasks], store.Store(folder, FOLDER), pool, Answer.model_validate_json,
+        reader(Answer, "attribution"))
     return {task: found[task.key] for task in tasks}
-
-
-def _settled(task: pools.Task, answer: dict) -> Answer:
-    try:
-        return Answer.model_validate(answer)
-    except ValidationError:
-        return Answer(state="malformed", message="answered what is no attribution")
 
 
 def answer(request: dict) -> dict:

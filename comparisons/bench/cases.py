@@ -32,6 +32,7 @@ from ..execution.machine import peak_kib
 from ..execution.pool import Pool, Task
 from ..renderers import povray
 from ..renderers import render as render_with
+from ..suites import choose
 from . import port
 from .document import Clock, Row
 from .timing import QUIET, Contestant, Cost, Measured, deciding, interleave, judged, row, spread, timed
@@ -343,9 +344,6 @@ GROUPS = {group.name: group for group in (
           "only information.", SINGLE, first_hits))}
 
 
-def find(names: list[str]) -> list[Group]:
+def find(names: list[str]) -> tuple[Group, ...]:
     """The groups called `names`, all of them if none is given. Raises InputError."""
-    for name in names:
-        if name not in GROUPS:
-            raise InputError(f"unknown group {name!r}; choose among {', '.join(GROUPS)}")
-    return [GROUPS[name] for name in names] if names else list(GROUPS.values())
+    return choose(names, GROUPS, "unknown group")

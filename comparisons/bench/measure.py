@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from datetime import UTC, datetime
 
-from reference_tracer.errors import InputError
-
-from ..execution.machine import machine
 from ..execution.pool import Pool, Task
+from ..suites import choose, head
 from .cases import GROUPS, Group, Options
 from .document import Bench, Row
 
 LONGEST = 3600.0  # seconds for one case
 
 
-def run(groups: list[Group], options: Options, scenes: list[str], tell: Callable[[Row], None] = lambda row: None) -> Bench:
+def run(groups: Sequence[Group], options: Options, scenes: list[str], tell: Callable[[Row], None] = lambda row: None) -> Bench:
     """The document of `groups`, of their cases named in `scenes` (all if empty); `tell` is called with every row."""
     start, rows = time.monotonic(), []
     with Pool(1) as pool:
@@ -25,18 +22,14 @@ def run(groups: list[Group], options: Options, scenes: list[str], tell: Callable
             for row in _measured(pool, group, case, options):
                 rows.append(row)
                 tell(row)
-    return Bench(created=datetime.now(UTC).isoformat(timespec="seconds"), seconds=round(time.monotonic() - start, 1),
-                 machine=machine(), rows=rows)
+    return Bench(**head(start), rows=rows)
 
 
-def chosen(groups: list[Group], scenes: list[str]) -> list[tuple[Group, str]]:
+def chosen(groups: Sequence[Group], scenes: list[str]) -> list[tuple[Group, str]]:
     """Pairs of group and case. Raises InputError for a scene that no group has."""
     pairs = [(group, case) for group in groups for case in group.cases]
-    known = {case for _, case in pairs}
-    for scene in scenes:
-        if scene not in known:
-            raise InputError(f"no case is called {scene!r}; there are {', '.join(sorted(known))}")
-    return [(group, case) for group, case in pairs if not scenes or case in scenes]
+    wanted = choose(scenes, {case: case for _, case in pairs}, "no case is called")
+    return [(group, case) for group, case in pairs if case in wanted]
 
 
 def _measured(pool: Pool, group: Group, case: str, options: Options) -> list[Row]:

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Literal
 
-from reference_tracer.errors import InputError
 from reference_tracer.scene import library
 from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
 from reference_tracer.surfaces.expression import Expression
@@ -21,6 +20,7 @@ from reference_tracer.surfaces.sphere import Sphere
 from .. import renderers
 from ..bench.cases import spheres
 from ..renderers import RENDERERS
+from ..suites import choose
 
 # --- subjects: the document's scenes, and single surfaces that are hard for one method or another ---------------------
 BRIEF = ("figure-07-torus", "figure-09-heart", "figure-reflection", "surface-blob")
@@ -240,8 +240,4 @@ def _reaching(size: tuple[int, int], distance: float) -> Scene:
 
 def find_studies(names: list[str], full: bool) -> tuple[Study, ...]:
     """The studies called `names`; all, if there are none. Raises InputError."""
-    known = {study.id: study for study in studies(full)}
-    for name in names:
-        if name not in known:
-            raise InputError(f"unknown study {name!r}; choose one of {', '.join(known)}")
-    return tuple(known[name] for name in dict.fromkeys(names)) if names else tuple(known.values())
+    return choose(names, {study.id: study for study in studies(full)}, "unknown study")

@@ -12,7 +12,7 @@ import numpy as np
 
 from reference_tracer.backend import use_threads
 from reference_tracer.errors import UnsupportedError
-from reference_tracer.first_hit import Crossing
+from reference_tracer.first_hit import Intersection
 from reference_tracer.scene.model import Scene
 from reference_tracer.tracer.camera_rays import camera_rays
 from reference_tracer.tracer.render import Picture, Renderer
@@ -118,7 +118,7 @@ class Counted:
         self.name, self.variables = base.name, base.variables
         self.vouches, self.closed_form = base.vouches, base.closed_form
 
-    def first(self, solid, ray, inside, limit) -> Crossing:
+    def first(self, solid, ray, inside, limit) -> Intersection:
         crossing = self.base.first(solid, ray, inside, limit)
         # a number that is the same for all rays is one number: the condition, true of every ray, makes one a ray of it
         each = dr.select(dr.abs(ray.d[0]) < 2, type(self.counter)(crossing.evaluations), 0)
@@ -154,7 +154,8 @@ class Oracle(Competitor):
 
     def run(self, warm: bool = False) -> Run:
         copies = []
-        cost = (repeatedly if warm else timed)(lambda: copies.append({name: plane.copy() for name, plane in self.planes.items()}))
+        copy = lambda: copies.append({name: plane.copy() for name, plane in self.planes.items()})
+        cost = (repeatedly if warm else timed)(copy)
         color, index = copies[-1]["color"], copies[-1]["index"]
         unknown = np.full(color.shape, np.nan)
         return Run(Picture(**copies[-1], position=unknown, normal=unknown, depth=np.zeros(index.shape, np.uint8),

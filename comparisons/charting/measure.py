@@ -13,7 +13,6 @@ import tempfile
 import time
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
@@ -29,6 +28,7 @@ from ..execution.machine import machine
 from ..execution.pool import Pool, Progress, Silent, Task
 from ..planes import problem
 from ..renderers import RENDERERS
+from ..suites import head
 from ..verdicts.metrics import Planes, pixel_error
 from . import truth as truths
 from .cases import OURS, SECONDS, SWEEPS, Charted, Contestant, Study, Sweep
@@ -65,8 +65,7 @@ def run(subjects: Sequence[Charted], studies: Sequence[Study], options: Options,
 
         charted = [each(subject.scene.name, _subject, subject, sweeps) for subject in subjects]
         grown = [each(study.title, _growth, study) for study in studies]
-    return Chart(created=datetime.now(UTC).isoformat(timespec="seconds"), seconds=round(time.monotonic() - start, 1),
-                 machine=machine(), threads=len(os.sched_getaffinity(0)), turns=options.turns, truth=truths.ABOUT,
+    return Chart(**head(start), threads=len(os.sched_getaffinity(0)), turns=options.turns, truth=truths.ABOUT,
                  subjects=charted, growths=grown)
 
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from pydantic import ValidationError
 
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
@@ -27,6 +26,7 @@ from ..execution.pool import Pool, Progress, Task, complete
 from ..execution.store import Store
 from ..execution.worker import tell
 from ..runs import Request, RunStore
+from ..suites import reader
 from .decisions import ORDER
 from .document import COMMAND, PLANES, MeshTrial, Plan, Planning, Proof, Ratio, Saved, add
 from .search import COLOUR, Decision, OutOfTime, Search, Yardstick, deciding
@@ -63,10 +63,7 @@ def run(scenes: Sequence[Scene], tolerance: float, folder: Path | None, *, limit
 
 
 def _settled(kept: Store, task: Task, answer: dict) -> Planning:
-    try:
-        planning = Planning.model_validate(answer)
-    except ValidationError:
-        return Planning(state="malformed", message="answered what is no plan")
+    planning = reader(Planning, "plan")(task, answer)
     if planning.plan is None:
         return planning
     return planning.model_copy(update={"plan": planning.plan.model_copy(update={"planes": kept.relative(task.key)})})

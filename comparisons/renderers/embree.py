@@ -13,7 +13,7 @@ from importlib.metadata import version
 
 import numpy as np
 
-from converters.embree import Crossings, EmbreeScene, convert
+from converters.embree import EmbreeIntersector, EmbreeScene, convert
 from converters.embree.crossings import Start
 from converters.mesh import largest
 from reference_tracer.scene.model import Scene
@@ -83,7 +83,7 @@ class _Tracer:
     """A scene bound to its conversion."""
 
     def __init__(self, scene: Scene, converted: EmbreeScene):
-        self.scene, self.crossings = scene, Crossings(scene, converted)
+        self.scene, self.crossings = scene, EmbreeIntersector(scene, converted)
         column = lambda name: np.array([getattr(obj.material, name) for obj in scene.objects])
         self.color = column("color").reshape(-1, 3)
         self.R, self.T, self.n = column("reflection"), column("transparency"), column("refractive_index")

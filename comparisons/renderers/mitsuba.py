@@ -13,7 +13,7 @@ import numpy as np
 
 from converters.mesh import largest
 from converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
-from converters.mitsuba.crossings import OFFSET, Crossings, Hit, spawn
+from converters.mitsuba.crossings import OFFSET, MitsubaHit, MitsubaIntersector, spawn
 from converters.mitsuba.shapes import native
 from converters.mitsuba.variant import dr, mi
 from reference_tracer.errors import UnsupportedError
@@ -83,7 +83,7 @@ class _Tracer:
 
     def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET, refined: bool = False):
         self.document, self.converted = scene, converted
-        self.crossings = Crossings(scene, converted, offset, refined)
+        self.crossings = MitsubaIntersector(scene, converted, offset, refined)
         materials = [o.material for o in scene.objects]
         column = lambda values: mi.Float([float(v) for v in values] or [0.0])  # an empty one cannot be read, even never
         self.color = [column(m.color[k] for m in materials) for k in range(3)]
@@ -100,7 +100,7 @@ class _Tracer:
 
     # --- the document's shading --------------------------------------------------------------------------------------
     @dr.syntax
-    def illumination(self, hit: Hit, sides: Sides, active):
+    def illumination(self, hit: MitsubaHit, sides: Sides, active):
         """Section 4.3.1: the sum over lights of cos(phi) * brightness * intensity (decisions L1 to L3)."""
         total, lost, j = mi.Color3f(0), mi.Bool(False), mi.UInt32(0)
         while j < self.lights:
@@ -166,7 +166,7 @@ class _Tracer:
             secondary.append((reflected, dr.select(hit.met, weight, 0), rays.sides))
         return hit, color, hit.lost | unsure, secondary
 
-    def _queues(self, rays: _Rays, hit: Hit, secondary) -> list[_Rays]:
+    def _queues(self, rays: _Rays, hit: MitsubaHit, secondary) -> list[_Rays]:
         """The secondary rays that have weight, all kinds together, in queues of at most MOST_RAYS."""
         chosen = [(*kind, found) for kind in secondary if dr.width(found := dr.compress(kind[1] > 0))]
         total = sum(dr.width(found) for *_, found in chosen)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from reference_tracer.errors import InputError
-
+from ..suites import choose
 from .families import model, quadrics, root_set, roots
 from .family import Family
 
@@ -11,10 +10,6 @@ FAMILIES: tuple[Family, ...] = (*quadrics.FAMILIES, *roots.FAMILIES, *root_set.F
                                 *model.FAMILIES)
 
 
-def find(names: list[str]) -> list[Family]:
+def find(names: list[str]) -> tuple[Family, ...]:
     """The families called `names`; all of them for an empty list. Raises InputError for an unknown one."""
-    known = {family.about.id: family for family in FAMILIES}
-    for name in names:
-        if name not in known:
-            raise InputError(f"--family: no family is called {name!r}; choose from {', '.join(known)}")
-    return [known[name] for name in names] or list(FAMILIES)
+    return choose(names, {family.about.id: family for family in FAMILIES}, "--family: no family is called")

@@ -8,17 +8,15 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
-from pydantic import ValidationError
 from scipy.stats import binom
 
 from ..execution import store
-from ..execution.machine import machine
 from ..execution.pool import Pool, Progress, Task, complete
 from ..execution.store import Store
+from ..suites import head, reader
 from . import cases
 from .document import (
     FOLDER,
@@ -54,20 +52,13 @@ def run(families: Sequence[Family], folder: Path, *, rays: int = RAYS, jobs: int
                   f"{__name__}:answer", {"family": family.about.id, "rays": rays}, limit)
              for family in families]
     with Pool(jobs, progress) as pool:
-        found = complete(tasks, kept, pool, Examined.model_validate_json, _settled)
-    return document_of(families, [found[task.key] for task in tasks], METHODS, rays, time.monotonic() - start)
-
-
-def _settled(task: Task, answer: dict) -> Examined:
-    try:
-        return Examined.model_validate(answer)
-    except ValidationError:
-        return Examined(state="malformed", message="answered something that is no measurement")
+        found = complete(tasks, kept, pool, Examined.model_validate_json, reader(Examined, "measurement"))
+    return document_of(families, [found[task.key] for task in tasks], METHODS, rays, start)
 
 
 def document_of(families: Sequence[Family], examined: Iterable[Examined], methods: Sequence[Method], rays: int,
-                seconds: float) -> Stability:
-    """What was examined as a document; a family that could not be is among its findings."""
+                start: float) -> Stability:
+    """What was examined since `start`, a time.monotonic(); a family that could not be is among the findings."""
     records, findings = [], []
     for family, found in zip(families, examined, strict=True):
         if found.record is None:
@@ -78,8 +69,7 @@ def document_of(families: Sequence[Family], examined: Iterable[Examined], method
             findings += found.findings
     used = {m.name: m for family in families for m in (*methods, *family.variants)}
     return Stability(
-        created=datetime.now(UTC).isoformat(timespec="seconds"), seconds=round(seconds, 3), machine=machine(), seed=SEED,
-        rays=rays, confidence=CONFIDENCE, kinds=KINDS, families=records, findings=findings,
+        **head(start), seed=SEED, rays=rays, confidence=CONFIDENCE, kinds=KINDS, families=records, findings=findings,
         methods=[MethodRecord(name=m.name, title=m.title, claims=m.claims, wrong_variant=m.wrong_variant)
                  for m in used.values()])
 
@@ -87,7 +77,8 @@ def document_of(families: Sequence[Family], examined: Iterable[Examined], method
 def answer(arguments: dict) -> dict:
     """In a worker: one family, by its id, under all methods."""
     family, = cases.find([arguments["family"]])
-    return {"state": "ok", **examine(family, METHODS, arguments["rays"]).model_dump(mode="json", include={"record", "findings"})}
+    examined = examine(family, METHODS, arguments["rays"])
+    return {"state": "ok", **examined.model_dump(mode="json", include={"record", "findings"})}
 
 
 def examine(family: Family, methods: Sequence[Method], rays: int) -> Examined:

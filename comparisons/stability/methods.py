@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import drjit as dr
 
 from reference_tracer.backend import Backend
-from reference_tracer.first_hit import Crossing, FirstHit, LocalRay, Solid
+from reference_tracer.first_hit import Intersection, FirstHit, LocalRay, Solid
 from reference_tracer.first_hit.descartes import Descartes
 from reference_tracer.first_hit.exact import cheapest_exact
 from reference_tracer.first_hit.interval import IntervalMethod
@@ -68,7 +68,7 @@ class SideFromSign:
     def __init__(self, base: FirstHit):
         self.base, self.name = base, f"{base.name}, side from f(origin)"
 
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         return self.base.first(solid, ray, solid.inside_at(ray, dr.zeros(type(limit))), limit)
 
 
@@ -78,7 +78,7 @@ class Offset:
     def __init__(self, base: FirstHit, epsilon):
         self.base, self.epsilon, self.name = base, epsilon, f"{base.name}, origin moved"
 
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         moved = LocalRay(ray.at(self.epsilon), ray.d)
         crossing = self.base.first(solid, moved, solid.inside_at(ray, self.epsilon), limit - self.epsilon)
         crossing.t += self.epsilon

@@ -27,12 +27,12 @@ from converters.mitsuba.dressed import (
 )
 from converters.mitsuba.radiance import Radiance, radiance
 from converters.mitsuba.variant import mi
-from reference_tracer.errors import InputError
 from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
 from reference_tracer.scene.placement import is_inside
 from reference_tracer.surfaces import Plane, Sphere
 from reference_tracer.tracer.render import Picture
 
+from ..suites import choose
 from .document import Effect
 
 
@@ -120,7 +120,7 @@ def glow(obj: Object, light: Light = CORNER_LIGHT, cosine: float = CORNER_COSINE
 
 def paths(scene: Scene, samples: int, seed: int, materials, lights: dict | None = None, *, depth: int = 24,
           integrator: str = "path") -> Radiance:
-    """What Mitsuba sees of `scene`, its objects of `materials`, along paths of up to `depth` segments, none ended by chance."""
+    """Mitsuba's picture of `scene`, its objects of `materials`, by paths of up to `depth` segments, none ended by chance."""
     return radiance(dressed(scene, materials, lights), {"type": integrator, "max_depth": depth, "rr_depth": 999},
                     scene.camera, samples, seed)
 
@@ -224,8 +224,8 @@ COMPANY = scene("mirrors", box() + [ball((0.2, 0.1, 1.2), 1.1, reflection=1.0),
 
 def mirrored(scene, samples, seed, *, depth: int = 3):
     """All stock: the path camera, mirror, diffuse ball, sun has three segments before the last."""
-    return paths(scene, samples, seed, lambda o: {"bsdf": mirror() if o.material.reflection else diffuse(o.material.color)},
-                 {"sun": sun(scene.lights[0])}, depth=depth)
+    material = lambda o: {"bsdf": mirror() if o.material.reflection else diffuse(o.material.color)}
+    return paths(scene, samples, seed, material, {"sun": sun(scene.lights[0])}, depth=depth)
 
 
 def mirrored_in_company(scene, samples, seed, *, plain=lambda o: document(o.material)):
@@ -442,8 +442,4 @@ CASES = (
 
 def find(ids: Collection[str]) -> tuple[Case, ...]:
     """The cases called `ids`; all, if there are none. Raises InputError."""
-    known = {case.id: case for case in CASES}
-    for id in ids:
-        if id not in known:
-            raise InputError(f"unknown case {id!r}; choose one of {', '.join(known)}")
-    return tuple(known[id] for id in ids) if ids else CASES
+    return choose(ids, {case.id: case for case in CASES}, "unknown case")

@@ -10,7 +10,6 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from statistics import NormalDist
@@ -24,10 +23,10 @@ from reference_tracer.tracer.render import UNDECIDED, Picture
 from reference_tracer.tracer.sensitivity import ORIGIN_UNITS, SAFETY, perturbed
 
 from ..execution import store
-from ..execution.machine import machine
 from ..execution.pool import Pool, Progress, Task, complete
 from ..execution.store import Store
 from ..results import Gate
+from ..suites import head
 from ..verdicts.metrics import VISIBLE, largest_around, pixel_error
 from .cases import Case, find
 from .document import FOLDER, CaseRecord, Transport
@@ -55,8 +54,7 @@ def run(cases: Sequence[Case], folder: Path, *, limit: float = SECONDS_PER_CASE,
              for k, case in sorted(by_key.items(), key=lambda item: -sum(item[1].ladder))]
     with Pool(jobs, progress) as pool:
         records = complete(tasks, kept, pool, CaseRecord.model_validate_json, partial(_settled, by_key, kept), arrays=True)
-    return Transport(created=datetime.now(UTC).isoformat(timespec="seconds"),
-                     seconds=round(time.monotonic() - start, 1), machine=machine(), cases=[records[k] for k in by_key])
+    return Transport(**head(start), cases=[records[k] for k in by_key])
 
 
 def key(case: Case) -> str:

@@ -21,7 +21,7 @@ MOST_CROSSINGS = 4096  # of one shadow ray with one object
 
 
 @dataclass
-class Hit:
+class EmbreeHit:
     """The first crossing of each of n rays."""
 
     t: np.ndarray  # (n,), infinity where nothing was hit
@@ -43,7 +43,7 @@ class Start:
         return Start(self.o[which], self.left[which], self.facet[which])
 
 
-class Crossings:
+class EmbreeIntersector:
     """The queries of a tracer on a converted scene, for arrays of rays."""
 
     def __init__(self, scene: Scene, converted: EmbreeScene):
@@ -51,7 +51,7 @@ class Crossings:
         self.transparency = np.array([obj.material.transparency for obj in scene.objects])
         self.max_distance = scene.tracing.max_distance
 
-    def first_hit(self, start: Start, d, inside) -> Hit:
+    def first_hit(self, start: Start, d, inside) -> EmbreeHit:
         """The first crossing of each ray with any object within max_distance (decision M5); `inside` is (n, objects)."""
         count = len(d)
         t, index, triangle = np.full(count, np.inf), np.full(count, -1), np.zeros(count, int)
@@ -69,7 +69,7 @@ class Crossings:
                 normal[here] = solid.normal(start.o[here] + t[here, None] * d[here], triangle[here])
         against = np.einsum("ij,ij->i", d, normal) > 0
         normal[against] *= -1
-        return Hit(t, index, facet, normal, lost)
+        return EmbreeHit(t, index, facet, normal, lost)
 
     def _hits(self, k: int, solid: Solid, start: Start, d, limit, inside, lost):
         """Rounds of (ray, t, triangle, whether it is a crossing), until each ray has crossed object k or met no more."""

@@ -22,7 +22,7 @@ MOST_CROSSINGS = 4096  # of one shadow ray
 
 
 @dataclass
-class Hit:
+class MitsubaHit:
     """The first crossing of each ray."""
 
     t: object  # mi.Float, infinity where nothing was hit
@@ -39,7 +39,7 @@ def spawn(p, facet, d, offset: float = OFFSET):
     return p + facet * dr.copysign((1 + dr.max(dr.abs(p))) * offset, dr.dot(facet, d))
 
 
-class Crossings:
+class MitsubaIntersector:
     """The queries of a tracer on a converted scene, for arrays of rays."""
 
     def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET, refined: bool = False):
@@ -62,7 +62,7 @@ class Crossings:
         leaving = dr.dot(d, si.n) > 0
         return si, dr.fma(d, si.t, o), found, index, found & ~(leaving ^ sides.test(index))
 
-    def first_hit(self, o, d, sides: Sides, active) -> Hit:
+    def first_hit(self, o, d, sides: Sides, active) -> MitsubaHit:
         """The first crossing of each ray with any object within max_distance (decision M5)."""
         hit = self._first_hit(o, d, sides, active)
         if self.refinement:
@@ -71,7 +71,7 @@ class Crossings:
         return hit
 
     @dr.syntax
-    def _first_hit(self, o, d, sides: Sides, active) -> Hit:
+    def _first_hit(self, o, d, sides: Sides, active) -> MitsubaHit:
         """The same as Mitsuba has it, the normal out of the solid."""
         origin, passed, tries = mi.Point3f(o), mi.Float(0), mi.UInt32(0)
         t, p, facet, normal = mi.Float(dr.inf), mi.Point3f(o), mi.Vector3f(0), mi.Vector3f(0)
@@ -89,7 +89,7 @@ class Crossings:
             tries += 1
             searching = found & ~crossing & (tries < MOST_REFUSED)
         lost = active & ~met & (tries >= MOST_REFUSED)
-        return Hit(t, p, facet, normal, index, met, lost)
+        return MitsubaHit(t, p, facet, normal, index, met, lost)
 
     @dr.syntax
     def transmittance(self, o, d, distance, sides: Sides, active):

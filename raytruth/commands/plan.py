@@ -94,8 +94,8 @@ def _summary(plans) -> str:
 
     exact = statistics.median(plan.saved.exact.value for plan in plans)
     paper = statistics.median(plan.saved.paper.value for plan in plans)
-    return (f"{len(plans)} scenes, {sum(plan.proof.holds for plan in plans)} hold on the pixels held back; in the median the "
-            f"scene as written takes {exact:.2f} x as long as the planned one with exact, {paper:.2f} x with paper")
+    return (f"{len(plans)} scenes, {sum(plan.proof.holds for plan in plans)} hold on the pixels held back; in the median "
+            f"the scene as written takes {exact:.2f} x as long as the planned one with exact, {paper:.2f} x with paper")
 
 
 def text(plan) -> str:

@@ -42,7 +42,8 @@ def run(arguments) -> int:
     folder = arguments.results or (None if arguments.family else Path("results"))
     require_folder(folder)
     with Cases() as progress:
-        document = measure.run(chosen, folder or Path("results"), rays=arguments.rays, jobs=arguments.jobs, progress=progress)
+        document = measure.run(chosen, folder or Path("results"), rays=arguments.rays, jobs=arguments.jobs,
+                               progress=progress)
     if folder is not None:
         documents.keep(document, folder, arguments.fresh)
     if arguments.json:

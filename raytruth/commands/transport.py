@@ -25,7 +25,8 @@ def add_arguments(parser):
                         help="folder for transport.json (default: results, if every case is run)")
     parser.add_argument("--limit", type=number(0.1, 1e6), default=120.0, metavar="SECONDS",
                         help="time limit of a case (default 120)")
-    parser.add_argument("--jobs", type=whole(1, 1024), default=2, metavar="N", help="cases measured at the same time (default 2)")
+    parser.add_argument("--jobs", type=whole(1, 1024), default=2, metavar="N",
+                        help="cases measured at the same time (default 2)")
     parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
     parser.add_argument("--json", action="store_true", help="print the document")
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from ..errors import InputError
 from .descartes import Descartes
 from .exact import cheapest_exact
-from .interface import Crossing, FirstHit, LocalRay, Solid
+from .interface import Intersection, FirstHit, LocalRay, Solid
 from .interval import IntervalMethod
 from .paper import Paper
 from .proof import Proof
@@ -47,4 +47,4 @@ def choose(method: str, obj, tracing, arrays) -> FirstHit:
     raise InputError(f"unknown method {method!r}; choose one of {', '.join(METHODS)}")
 
 
-__all__ = ["METHODS", "Crossing", "FirstHit", "LocalRay", "Solid", "choose"]
+__all__ = ["METHODS", "Intersection", "FirstHit", "LocalRay", "Solid", "choose"]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import drjit as dr
 
 from ..numbers import OutwardInterval, Polynomial
-from .interface import Crossing, LocalRay, Solid
+from .interface import Intersection, LocalRay, Solid
 
 # (half chord / extent)^2 below which rounding might decide whether a ray cuts; the others are spared the question. At the
 # vertex it is wrong by few times 2^-52 (distance / extent) at most, and distances beyond 2^36 extents leave no digits.
@@ -74,12 +74,12 @@ class BoundedQuadric:
     closed_form = True
     variables = ()
 
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         outside = inside == solid.far_inside
         chord = Chord.along(solid, ray, limit)
         t = chord.next_crossing(outside)
-        return Crossing(t <= limit, t, t, chord.is_lost(solid, ray, outside, limit),
-                        dr.full(dr.uint32_array_t(type(t)), 5))
+        return Intersection(t <= limit, t, t, chord.is_lost(solid, ray, outside, limit),
+                            dr.full(dr.uint32_array_t(type(t)), 5))
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
         outside = inside == solid.far_inside

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import drjit as dr
 
-from .interface import Crossing, FirstHit, LocalRay, Solid
+from .interface import Intersection, FirstHit, LocalRay, Solid
 
 
 class Cascade:
@@ -18,7 +18,7 @@ class Cascade:
         self.fast, self.safe = fast, safe
         self.name = f"{fast.name}, then {safe.name}"
 
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         a = self.fast.first(solid, ray, inside, limit)
         return dr.if_stmt((), a.undecided, lambda: self.safe.first(solid, ray, inside, limit), lambda: a)
 

@@ -82,7 +82,7 @@ class Solid:
 
 
 @dataclass
-class Crossing:
+class Intersection:
     """Where each ray first changes side."""
 
     found: object  # Bool
@@ -100,7 +100,7 @@ class FirstHit(Protocol):
     closed_form: bool  # cheap enough not to ask first whether the ray meets the solid's bounds
     variables: tuple = ()  # the arrays that its kernels read
 
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         """The first change of side of each ray on (0, limit]; `inside` is the side it starts on."""
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import drjit as dr
 
-from .interface import Crossing, LocalRay, Solid
+from .interface import Intersection, LocalRay, Solid
 
 
 class Linear:
@@ -19,11 +19,11 @@ class Linear:
     closed_form = True
     variables = ()
 
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         g, slope = solid.slope_at(ray, dr.zeros(type(ray.o[0])), solid.regular)
         leaves = dr.select(inside, slope > 0, slope < 0)
         t = dr.select(leaves, dr.maximum(-g / slope, 0), dr.inf)
-        return Crossing(t <= limit, t, t, ~dr.isfinite(g + slope), dr.full(dr.uint32_array_t(type(t)), 1))
+        return Intersection(t <= limit, t, t, ~dr.isfinite(g + slope), dr.full(dr.uint32_array_t(type(t)), 1))
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
         # one sign change at most: the sides of the two ends tell

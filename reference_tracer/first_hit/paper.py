@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import drjit as dr
 
-from .interface import Crossing, LocalRay, Solid
+from .interface import Intersection, LocalRay, Solid
 from .quadratic import Parabola
 
 UNREACHABLE = 1e30  # stands for infinity where steps are counted
@@ -29,7 +29,7 @@ class Paper:
         self.variables = self.step_size, self.tolerance, self.max_iterations
 
     @dr.syntax
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         h = self.step_size
         entry, leave = solid.span(ray, limit)
         step = self._steps_skipped(solid, ray, inside, entry, limit)
@@ -55,7 +55,7 @@ class Paper:
             t = dr.select(finite, t - dt, t)  # t_{n+1} = t_n - g(t_n) / g'(t_n)
             iteration += 1
             active = finite & (dr.abs(dt) > self.tolerance * dr.maximum(1, dr.abs(t))) & (iteration < self.max_iterations)
-        return Crossing(found, t, step_end, dr.zeros(type(found)), evaluations + 2 * iteration)
+        return Intersection(found, t, step_end, dr.zeros(type(found)), evaluations + 2 * iteration)
 
     @dr.syntax
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import drjit as dr
 
 from ..numbers import OutwardInterval, Polynomial
-from .interface import Crossing, LocalRay, Solid
+from .interface import Intersection, LocalRay, Solid
 
 
 @dataclass
@@ -85,11 +85,11 @@ class Quadratic:
     closed_form = True
     variables = ()
 
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         parabola = Parabola.along(solid, ray, limit)
         t = parabola.next_crossing(inside)
-        return Crossing(t <= limit, self._polish(solid, ray, t, parabola), t, parabola.is_lost(solid, ray, inside, limit),
-                        dr.full(dr.uint32_array_t(type(t)), 6))
+        return Intersection(t <= limit, self._polish(solid, ray, t, parabola), t,
+                            parabola.is_lost(solid, ray, inside, limit), dr.full(dr.uint32_array_t(type(t)), 6))
 
     def crossings(self, solid: Solid, ray: LocalRay, inside, limit, only_first):
         parabola = Parabola.along(solid, ray, limit)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import drjit as dr
 
 from ..numbers import OutwardInterval
-from .interface import Crossing, LocalRay, Solid
+from .interface import Intersection, LocalRay, Solid
 from .refine import safeguarded_newton
 
 
@@ -56,7 +56,7 @@ class SegmentMethod:
         """
         raise NotImplementedError
 
-    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Crossing:
+    def first(self, solid: Solid, ray: LocalRay, inside, limit) -> Intersection:
         scan = self.scan(solid, ray, inside, limit, dr.mask_t(limit)(True), refine=True)
         found = scan.count > 0
         # on f itself, or its regular form, whatever the bracket was found with: a root of f to the last digit
@@ -66,7 +66,7 @@ class SegmentMethod:
         behind = dr.if_stmt((), found, lambda: solid.regular(*ray.at(t + resolution(t))), lambda: dr.zeros(type(t)))
         clear = scan.simple & ((behind < 0) != inside) & (dr.abs(behind) > CLEAR * dr.abs(g)) & dr.isfinite(behind)
         sure = self._makes_sure(solid, ray, inside, t, scan, found & ~clear)
-        return Crossing(found, t, t, scan.undecided | ~sure, self.evaluations * scan.segments + 2 * iterations + 1)
+        return Intersection(found, t, t, scan.undecided | ~sure, self.evaluations * scan.segments + 2 * iterations + 1)
 
     def _makes_sure(self, solid: Solid, ray: LocalRay, inside, t, scan: Scan, doubtful):
         """Whether the crossing is at t, where that is `doubtful`; true elsewhere (Bool)."""

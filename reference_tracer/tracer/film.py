@@ -16,7 +16,7 @@ VECTORS = ("color", "position", "normal")
 OF_HITS = ("t", "position", "normal", "index", "status")
 
 
-class Planes:
+class PlaneBuffer:
     """Arrays of all pixels in row order; those of vectors hold one plane a component, as kernels leave them."""
 
     def __init__(self, wanted: Sequence[str], height: int, width: int):

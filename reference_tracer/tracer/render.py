@@ -12,7 +12,7 @@ import numpy as np
 from ..backend import backend, use_threads
 from ..scene.model import Scene
 from .camera_rays import CameraRays, camera_rays
-from .film import HIT, MISS, PLANES, UNDECIDED, Planes
+from .film import HIT, MISS, PLANES, UNDECIDED, PlaneBuffer
 from .rays import Ray
 from .shading import Interaction
 from .wavefront import MOST_RAYS, Advance, Primary, Wave, Wavefront
@@ -93,7 +93,7 @@ class Renderer:
         start = time.perf_counter()
         camera, tracing = self.scene.camera, self.scene.tracing
         adaptive = tracing.samples > 1 and tracing.adaptive > 0
-        film = Planes((*planes, "color", "index") if adaptive else planes, camera.height, camera.width)
+        film = PlaneBuffer((*planes, "color", "index") if adaptive else planes, camera.height, camera.width)
         wavefront = Wavefront(self.world, watch.observe, watch.disturb) if watch else self.wavefront
         before, centres = wavefront.rays, 0
         first = 0.5 if adaptive else 1.0  # the share of the first pass over the pixels
@@ -124,7 +124,7 @@ class Renderer:
         for first in range(0, pixels, most):
             yield range(first, min(first + most, pixels))
 
-    def _render(self, wavefront: Wavefront, pixels: range, samples: int, film: Planes,
+    def _render(self, wavefront: Wavefront, pixels: range, samples: int, film: PlaneBuffer,
                 progress: Callable[[Advance], None] | None) -> int:
         """Renders `pixels` into `film`; returns the number of rays beyond those that the wavefront counts."""
         source, count = camera_rays(self.world, pixels, samples), len(pixels)
@@ -145,7 +145,7 @@ class Renderer:
         normal = world.normal(point, hit.index, met)
         return Primary.of(world, hit, point, dr.select(dr.dot(ray.d, normal) > 0, -normal, normal))
 
-    def _resample(self, film: Planes, wavefront: Wavefront, band: int | None,
+    def _resample(self, film: PlaneBuffer, wavefront: Wavefront, band: int | None,
                   progress: Callable[[float], None] | None) -> None:
         """Takes n x n samples of the pixels that differ from a neighbour (`adaptive` of the scene)."""
         samples = self.scene.tracing.samples

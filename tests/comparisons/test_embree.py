@@ -7,7 +7,7 @@ import pytest
 
 from comparisons.verdicts import metrics
 from comparisons.renderers import embree, mitsuba
-from converters.embree import Crossings, Solid, convert
+from converters.embree import EmbreeIntersector, Solid, convert
 from converters.embree.crossings import Start
 from converters.mesh import mesh_object
 from reference_tracer.errors import MissingError
@@ -112,7 +112,7 @@ def test_all_crossings_of_a_torus_are_counted():
     """A line through the whole ring crosses it four times, whatever side of a facet rounding puts its start on."""
     torus = glass(Torus(center=(0.0, 0.0, 0.0), R=1.0, r=0.25), transparency=0.5)
     scene = scene_of(torus)
-    crossings = Crossings(scene, convert(scene, 64))
+    crossings = EmbreeIntersector(scene, convert(scene, 64))
     angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     across = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     intensity, lost = crossings.transmittance(_from(3 * across), -across, np.full(200, 6.0), np.zeros((200, 1), bool))
