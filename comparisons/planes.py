@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reference_tracer.image_files import load_npz
+from reference_tracer.tracer.image_files import load_npz
 from reference_tracer.scene.model import Scene
 
 KINDS = {"color": ("f", (3,)), "t": ("f", ()), "position": ("f", (3,)), "normal": ("f", (3,)), "index": ("iu", ()),

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from reference_tracer.image_files import save_npz
+from reference_tracer.tracer.image_files import save_npz
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
 

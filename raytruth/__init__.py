@@ -7,9 +7,9 @@
 
 from importlib import import_module
 
-_HOME = {"Picture": "reference_tracer.render", "render": "reference_tracer.render",
+_HOME = {"Picture": "reference_tracer.tracer.render", "render": "reference_tracer.tracer.render",
          "find_scene": "reference_tracer.scene.library", "load_scene": "reference_tracer.scene.load",
-         "InputError": "reference_tracer.errors", "save": "reference_tracer.image_files"}
+         "InputError": "reference_tracer.errors", "save": "reference_tracer.tracer.image_files"}
 _RENAMED = {"find_scene": "find"}
 
 __all__ = list(_HOME)

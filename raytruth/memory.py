@@ -22,7 +22,7 @@ def require(scene, planes: Sequence[str], beside: int, most: float | None) -> No
 
     `beside` are the bytes that the command takes for a pixel beside the picture's planes.
     """
-    from reference_tracer.estimate import available, memory, size_of
+    from reference_tracer.tracer.estimate import available, memory, size_of
 
     needed, there = memory(scene, planes, beside), available()
     limit = min(UNASKED * GIB, there) if most is None else most * GIB

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from comparisons import results as comparison
 from reference_tracer.errors import InputError
-from reference_tracer.image_files import write_8_bit
+from reference_tracer.tracer.image_files import write_8_bit
 
 from . import mark, pictures, templating
 from .documents import read_all

@@ -9,7 +9,7 @@ import numpy as np
 from skimage.transform import resize
 
 from comparisons.results import Results, read
-from reference_tracer.image_files import load_npz, to_8_bit, write_8_bit
+from reference_tracer.tracer.image_files import load_npz, to_8_bit, write_8_bit
 
 COLUMNS, WIDTH, HEIGHT, GAP = 5, 240, 180, 6
 

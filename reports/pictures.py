@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from comparisons.results import Run
-from reference_tracer.image_files import to_8_bit, write_8_bit
+from reference_tracer.tracer.image_files import to_8_bit, write_8_bit
 
 from . import maps, scale
 from .cases import Case

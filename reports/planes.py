@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from comparisons.results import Run
-from reference_tracer.render import UNDECIDED
+from reference_tracer.tracer.render import UNDECIDED
 
 SHAPES = {"color": 3, "t": 0, "normal": 3, "index": 0, "status": 0}  # channels; 0: a plain (h, w) plane
 
@@ -21,7 +21,7 @@ class NoPlanes(Exception):
 
 @dataclass(frozen=True)
 class Planes:
-    """What a report shows of a picture; see reference_tracer.render.Picture."""
+    """What a report shows of a picture; see reference_tracer.tracer.render.Picture."""
 
     color: np.ndarray  # (h, w, 3) fp64, linear
     t: np.ndarray  # (h, w) fp64

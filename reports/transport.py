@@ -9,7 +9,7 @@ import numpy as np
 
 from comparisons.verdicts.metrics import pixel_error
 from comparisons.transport.results import CaseRecord, Transport
-from reference_tracer.image_files import to_8_bit
+from reference_tracer.tracer.image_files import to_8_bit
 
 from . import scale
 from .maps import Errors

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from skimage.morphology import erosion
 
-from reference_tracer.render import Picture
+from reference_tracer.tracer.render import Picture
 from reference_tracer.scene.model import Scene
 
 from ..verdicts.metrics import pixel_error

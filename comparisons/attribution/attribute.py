@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference_tracer.render import Picture
+from reference_tracer.tracer.render import Picture
 from reference_tracer.scene.model import Scene
 
 from .asked import Asked

@@ -1,7 +1,7 @@
 """How far two faultless renderers may be apart on a scene: on colours, distances, normals and objects, pixel by pixel.
 
-As in reference_tracer.sensitivity, the bound is measured: every ray is moved by units of rounding, several times over.
-For a renderer on meshes a unit is larger: its rays meet surfaces that are elsewhere.
+As in reference_tracer.tracer.sensitivity, the bound is measured: every ray is moved by units of rounding, several times
+over. For a renderer on meshes a unit is larger: its rays meet surfaces that are elsewhere.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import numpy as np
 from skimage.morphology import dilation
 
 from reference_tracer.errors import InputError
-from reference_tracer.render import UNDECIDED, Picture
+from reference_tracer.tracer.render import UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
-from reference_tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, SAFETY, UNIT, perturbed
+from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, SAFETY, UNIT, perturbed
 
 PROBES = 5
 AROUND = np.ones((3, 3), bool)

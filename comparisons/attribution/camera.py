@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from reference_tracer.render import Picture
+from reference_tracer.tracer.render import Picture
 from reference_tracer.scene.model import Scene
-from reference_tracer.sensitivity import UNIT
+from reference_tracer.tracer.sensitivity import UNIT
 
 from .asked import Asked, Pair
 from .derived import pixel_directions

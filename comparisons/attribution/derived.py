@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer.camera import canvas_point, frame
-from reference_tracer.placement import is_inside
+from reference_tracer.tracer.camera import canvas_point, frame
+from reference_tracer.scene.placement import is_inside
 from reference_tracer.scene.model import Camera, Light, Material, Object, Scene
 
 BLACK, WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)

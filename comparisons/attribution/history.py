@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer import render
+from reference_tracer.tracer import render
 from reference_tracer.scene.model import Scene
 
 from .records import History, Ray
@@ -21,7 +21,7 @@ class _Recorder(render.Watch):
     def begin(self, world, first, count):
         self.world, self.first = world, first
 
-    def observe(self, wave, collision) -> None:
+    def observe(self, wave, interaction) -> None:
         numpy = lambda array: np.atleast_1d(array.numpy()).T
         wide = lambda array, count: np.broadcast_to(array, (count, *array.shape[1:]))
         slot = numpy(wave.slot)
@@ -30,9 +30,9 @@ class _Recorder(render.Watch):
         if not len(mine):
             return
         pick = lambda array: wide(numpy(array), len(slot))[mine]
-        index, refracted = pick(collision.hit.index), None if wave.refracted is None else pick(wave.refracted)
-        columns = [pick(c) for c in (collision.hit.t, collision.point, collision.normal, collision.lights_reached,
-                                     collision.color)]
+        index, refracted = pick(interaction.hit.index), None if wave.refracted is None else pick(wave.refracted)
+        columns = [pick(c) for c in (interaction.hit.t, interaction.point, interaction.normal, interaction.lights_reached,
+                                     interaction.color)]
         for k, (t, point, normal, lights, color) in enumerate(zip(*columns)):
             hit = index[k] < self.world.object_count
             kind = "camera" if wave.generation == 0 else \

@@ -28,8 +28,8 @@ class _Recording(_Tracer):
         super().__init__(*arguments)
         self.recorded: list[Ray] = []
 
-    def _collide(self, rays: _Rays):
-        hit, color, unsure, secondary = super()._collide(rays)
+    def _interact(self, rays: _Rays):
+        hit, color, unsure, secondary = super()._interact(rays)
         numpy = lambda array: np.broadcast_to(np.atleast_1d(array.numpy()).T, (dr.width(rays.slot), *np.atleast_1d(
             array.numpy()).T.shape[1:]))
         weight, met, index = numpy(rays.weight), numpy(hit.met), numpy(hit.index)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 
-from reference_tracer.render import Picture
+from reference_tracer.tracer.render import Picture
 from reference_tracer.scene.model import Scene
 
 from .. import renderers
@@ -54,7 +54,7 @@ def of_fault(id: str) -> Side:
 
     def make(scene: Scene) -> Picture:
         with wrong.in_place(f):
-            return import_module("reference_tracer.render").render(scene, "exact")
+            return import_module("reference_tracer.tracer.render").render(scene, "exact")
 
     def rays(scene: Scene, row: int, col: int) -> History:
         with wrong.in_place(f):

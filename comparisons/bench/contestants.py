@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from reference_tracer.backend import use_threads
-from reference_tracer.render import Renderer
+from reference_tracer.tracer.render import Renderer
 from reference_tracer.scene import library
 from reference_tracer.scene.model import Scene
 

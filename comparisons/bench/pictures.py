@@ -11,8 +11,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from reference_tracer.image_files import planes_of, save
-from reference_tracer.render import render
+from reference_tracer.tracer.image_files import planes_of, save
+from reference_tracer.tracer.render import render
 from reference_tracer.scene import library
 
 from ..execution.machine import peak_kib

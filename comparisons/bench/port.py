@@ -28,7 +28,7 @@ LONGEST = 3600.0  # seconds
 
 @dataclass
 class PortPicture:
-    """Planes as those of `reference_tracer.render.Picture`; `cost` is that of rendering alone."""
+    """Planes as those of `reference_tracer.tracer.render.Picture`; `cost` is that of rendering alone."""
 
     color: np.ndarray  # (h, w, 3) fp64
     index: np.ndarray  # (h, w) int32

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from reference_tracer.image_files import load_npz
+from reference_tracer.tracer.image_files import load_npz
 from reference_tracer.scene.model import Scene
 
 from ..bench.timing import QUIET

@@ -12,12 +12,12 @@ import drjit as dr
 import numpy as np
 
 from reference_tracer.backend import use_threads
-from reference_tracer.camera_rays import camera_rays
+from reference_tracer.tracer.camera_rays import camera_rays
 from reference_tracer.errors import UnsupportedError
 from reference_tracer.first_hit import Crossing
-from reference_tracer.render import Picture, Renderer
+from reference_tracer.tracer.render import Picture, Renderer
 from reference_tracer.scene.model import Scene
-from reference_tracer.world import World
+from reference_tracer.tracer.world import World
 
 from .. import renderers
 from ..bench.timing import Cost, timed

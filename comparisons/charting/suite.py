@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 
-from reference_tracer.image_files import load_npz
+from reference_tracer.tracer.image_files import load_npz
 
 from ..execution.machine import machine
 from ..planes import problem

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference_tracer.render import UNDECIDED, render
+from reference_tracer.tracer.render import UNDECIDED, render
 from reference_tracer.scene.model import Scene
-from reference_tracer.sensitivity import SAFETY, UNIT, perturbed
+from reference_tracer.tracer.sensitivity import SAFETY, UNIT, perturbed
 
 from ..verdicts.metrics import VISIBLE, largest_around
 

@@ -32,7 +32,7 @@ def _judged(request: dict, scene, kept: OrderedDict) -> dict:
     """The first picture, for its accuracy; what it took to get there."""
     import drjit as dr
 
-    from reference_tracer.image_files import save_npz
+    from reference_tracer.tracer.image_files import save_npz
 
     from ..execution.machine import forget_peak, peak_kib
 

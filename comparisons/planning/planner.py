@@ -9,7 +9,7 @@ from functools import reduce
 
 import numpy as np
 
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Scene
 
 from . import halves, mesh, saved

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from reference_tracer.render import Picture, Renderer, render
+from reference_tracer.tracer.render import Picture, Renderer, render
 from reference_tracer.scene.model import Scene
 
 from ..bench.timing import QUIET, Contestant, take_turns, timed

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference_tracer.render import Renderer
+from reference_tracer.tracer.render import Renderer
 from reference_tracer.scene.model import Scene
 
 from ..bench.timing import timed

@@ -11,7 +11,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from pydantic import ValidationError
 
-from reference_tracer.image_files import to_8_bit
+from reference_tracer.tracer.image_files import to_8_bit
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
 

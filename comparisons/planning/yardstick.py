@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Scene
-from reference_tracer.sensitivity import sensitivity
+from reference_tracer.tracer.sensitivity import sensitivity
 
 COLOUR = ("color",)  # the plane that a tolerance is about
 MOST_EXCUSED = 1e-3  # share of the pixels; if rounding decides more of them, it is no excuse but a reason for fp64

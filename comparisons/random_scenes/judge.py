@@ -62,7 +62,7 @@ class Judge:
             far(o["surface"].get("center", (0,))) for o in scene["objects"])
 
     def judge(self, picture, pixels: list[tuple[int, int]]) -> Judgement:
-        """`picture` has the planes of reference_tracer.render.Picture; `pixels` are (row, column)."""
+        """`picture` has the planes of reference_tracer.tracer.render.Picture; `pixels` are (row, column)."""
         found = Judgement()
         for row, column in pixels:
             self._pixel(found, picture, row, column)

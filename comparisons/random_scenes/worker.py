@@ -16,7 +16,7 @@ def answer(arguments: dict) -> dict:
 def judged(seed: int, method: str) -> dict:
     """One scene rendered and judged, as the fields of suite.Answer."""
     from reference_tracer.errors import InputError
-    from reference_tracer.render import render
+    from reference_tracer.tracer.render import render
     from reference_tracer.scene.load import parse_scene
 
     from .grammar import draw

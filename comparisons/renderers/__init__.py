@@ -14,7 +14,7 @@ from typing import get_type_hints
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
 from reference_tracer.errors import InputError
-from reference_tracer.render import Picture
+from reference_tracer.tracer.render import Picture
 from reference_tracer.scene.model import Scene
 
 from ..execution.code import installed, program
@@ -35,7 +35,7 @@ class Renderer:
     @property
     def code(self) -> tuple[str, ...]:
         """The modules that its pictures are made by."""
-        return f"{__name__}.{self.module}", "reference_tracer.image_files"
+        return f"{__name__}.{self.module}", "reference_tracer.tracer.image_files"
 
     @property
     def content(self) -> list:

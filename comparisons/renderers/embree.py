@@ -16,9 +16,9 @@ import numpy as np
 from converters.embree import Crossings, EmbreeScene, convert
 from converters.embree.crossings import Start
 from converters.mesh import largest
-from reference_tracer.camera import canvas_point, frame
-from reference_tracer.placement import is_inside
-from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
+from reference_tracer.tracer.camera import canvas_point, frame
+from reference_tracer.scene.placement import is_inside
+from reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
 
 MOST_RAYS = 1 << 16  # of one wave: its arrays stay in the processor's cache
@@ -105,7 +105,7 @@ class _Tracer:
             intensity = np.ones(len(lit))
             if self.shadows:
                 start = Start(p[lit], hit_index[lit], facet[lit])
-                intensity, unsure = self.crossings.light_through(start, shadow_dir[lit], distance[lit], inside[lit])
+                intensity, unsure = self.crossings.transmittance(start, shadow_dir[lit], distance[lit], inside[lit])
                 lost[lit] |= unsure
             total[lit] += (cos[lit] * intensity)[:, None] * np.array(light.brightness)
         return total, lost
@@ -116,7 +116,7 @@ class _Tracer:
         while waves:
             generation, rays = waves.pop()
             film.rays += len(rays)
-            hit, secondary = self._collide(rays, film)
+            hit, secondary = self._interact(rays, film)
             film.deepest[rays.slot] = np.maximum(film.deepest[rays.slot], generation)
             primary = primary or hit
             if generation == self.scene.tracing.max_depth:  # beyond it lies the background (decision D1)
@@ -126,7 +126,7 @@ class _Tracer:
                           for first in range(0, len(secondary), MOST_RAYS)]
         return primary
 
-    def _collide(self, rays: _Rays, film: _Film):
+    def _interact(self, rays: _Rays, film: _Film):
         """First hits, whose own colour or background goes to the film, and the secondary rays that have weight."""
         hit = self.crossings.first_hit(rays.start, rays.d, rays.inside)
         film.lost[rays.slot[hit.lost]] = True

@@ -17,9 +17,9 @@ from converters.mitsuba.crossings import OFFSET, Crossings, Hit, spawn
 from converters.mitsuba.shapes import native
 from converters.mitsuba.variant import dr, mi
 from reference_tracer.errors import UnsupportedError
-from reference_tracer.rays import Sides
-from reference_tracer.placement import is_inside
-from reference_tracer.render import HIT, MISS, UNDECIDED, Picture
+from reference_tracer.tracer.rays import Sides
+from reference_tracer.scene.placement import is_inside
+from reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
 
 from .reference import LONG
@@ -110,7 +110,7 @@ class _Tracer:
             cos = dr.dot(shadow_dir, hit.normal)
             origin = spawn(hit.p, hit.facet, shadow_dir, self.crossings.offset)
             lit = active & (cos > 0)
-            intensity, unsure = self.crossings.light_through(origin, shadow_dir, dr.norm(position - origin), sides, lit)
+            intensity, unsure = self.crossings.transmittance(origin, shadow_dir, dr.norm(position - origin), sides, lit)
             total += brightness * dr.select(lit, cos * intensity, 0)
             lost |= unsure
             j += 1
@@ -124,7 +124,7 @@ class _Tracer:
         while waves:
             generation, rays = waves.pop()
             count += dr.width(rays.slot)
-            hit, color, unsure, secondary = self._collide(rays)
+            hit, color, unsure, secondary = self._interact(rays)
             last = generation == self.document.tracing.max_depth
             if last:  # beyond the last generation lies the background (decision D1)
                 for _, weight, _ in secondary:
@@ -139,7 +139,7 @@ class _Tracer:
                 waves += [(generation + 1, queue) for queue in self._queues(rays, hit, secondary)]
         return film, deepest, lost, primary, count
 
-    def _collide(self, rays: _Rays):
+    def _interact(self, rays: _Rays):
         """First hits, their own colour or the background, and (direction, weight, sides) of the secondary rays."""
         hit = self.crossings.first_hit(rays.o, rays.d, rays.sides, rays.weight > 0)
         pick = lambda column: dr.gather(mi.Float, column, hit.index, hit.met)

@@ -10,8 +10,8 @@ import time
 import numpy as np
 
 from converters.povray import Conversion, convert, object_of, passes
-from reference_tracer.camera import canvas_point, frame
-from reference_tracer.render import HIT, MISS, Picture
+from reference_tracer.tracer.camera import canvas_point, frame
+from reference_tracer.tracer.render import HIT, MISS, Picture
 from reference_tracer.scene.model import Scene
 
 from .povray_process import SECONDS, Shot, run

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer.render import UNDECIDED, Picture
-from reference_tracer.render import render as trace
+from reference_tracer.tracer.render import UNDECIDED, Picture
+from reference_tracer.tracer.render import render as trace
 from reference_tracer.scene.model import Scene
 
 LONG = 3.0  # seconds after which a picture is not made a second time for the sake of its time

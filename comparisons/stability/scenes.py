@@ -11,10 +11,10 @@ import drjit as dr
 import numpy as np
 
 from reference_tracer.backend import backend
-from reference_tracer.rays import Ray, Sides
+from reference_tracer.tracer.rays import Ray, Sides
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
-from reference_tracer.world import World
+from reference_tracer.tracer.world import World
 
 from .family import About, Outcome, counted
 from .law import Law

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from converters.mitsuba.radiance import Radiance
-from reference_tracer.render import Picture
+from reference_tracer.tracer.render import Picture
 from reference_tracer.scene.model import Scene
 
 Effect = Literal["shading", "shadow", "reflection", "refraction", "total reflection", "mixing", "multisampling"]

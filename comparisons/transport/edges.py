@@ -1,7 +1,7 @@
 """What Mitsuba's own offset of ray origins may change: it is 200 times coarser than rounding.
 
 Rays that leave a surface start up to 9e-5 (1 + |p|) away from it, so that shadows' edges, silhouettes in mirrors and
-images in glass move. How far is measured as in `reference_tracer.sensitivity`: every ray is moved by that much, at
+images in glass move. How far is measured as in `reference_tracer.tracer.sensitivity`: every ray is moved by that much, at
 random, several times.
 """
 
@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer.render import UNDECIDED, Picture
+from reference_tracer.tracer.render import UNDECIDED, Picture
 from reference_tracer.scene.model import Scene
-from reference_tracer.sensitivity import ORIGIN_UNITS, SAFETY, perturbed
+from reference_tracer.tracer.sensitivity import ORIGIN_UNITS, SAFETY, perturbed
 
 from ..verdicts.metrics import VISIBLE, largest_around
 

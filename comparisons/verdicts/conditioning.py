@@ -1,6 +1,6 @@
 """How pixels hang on rounding: which of them two faultless renderers may show differently, and which are near no edge.
 
-What rounding may change is measured by reference_tracer/sensitivity.py, at the price of many pictures. So it is only
+What rounding may change is measured by reference_tracer/tracer/sensitivity.py, at the price of many pictures. So it is only
 measured where a pixel is beyond its limit, and kept by content.
 """
 
@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer.render import UNDECIDED
+from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.scene.model import Scene
-from reference_tracer.sensitivity import OBJECT, perturbed, sensitivity
+from reference_tracer.tracer.sensitivity import OBJECT, perturbed, sensitivity
 
 from ..execution import store
 from ..execution.store import Store

@@ -10,12 +10,12 @@ import zlib
 
 import numpy as np
 
-from reference_tracer.camera import canvas_point, frame
-from reference_tracer.placement import is_inside
-from reference_tracer.recursive import LiteralSearch, point_color
-from reference_tracer.render import UNDECIDED
+from reference_tracer.tracer.camera import canvas_point, frame
+from reference_tracer.scene.placement import is_inside
+from reference_tracer.oracle.literal import LiteralSearch, point_color
+from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.scene.model import Scene
-from reference_tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, PROBES, SAFETY, UNIT
+from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, PROBES, SAFETY, UNIT
 
 from ..execution.store import Store
 from . import conditioning
@@ -68,7 +68,7 @@ class AllSteps(LiteralSearch):
             t_hit[ray[here][closer]], index[ray[here][closer]] = root[closer], k
         return t_hit, index
 
-    def light_through(self, o, d, inside, distance):
+    def transmittance(self, o, d, inside, distance):
         if not len(d):
             return np.ones(0)
         signs = np.concatenate([inside[:, None], self._signs_at(o, d, self._samples(distance))], axis=1)
@@ -158,7 +158,7 @@ def _traced(scene: Scene, search: AllSteps, pixels: np.ndarray) -> dict[str, np.
 
 def _shift_by_rounding(scene: Scene, pixels: np.ndarray) -> np.ndarray:
     """How far the distance of the hit moves, at most, when the ray through a pixel's centre is moved by a few units of
-    rounding (reference_tracer/sensitivity.py): far, where Newton's method follows noise to a multiple root. (n,)"""
+    rounding (reference_tracer/tracer/sensitivity.py): far, where Newton's method follows noise to a multiple root. (n,)"""
     random, search, inside = np.random.default_rng(len(pixels)), AllSteps(scene), _sides(scene, len(pixels))
     o, d = _rays(scene, pixels, 0, 0, 1)
     t, _ = search.first_hit(o, d, inside)

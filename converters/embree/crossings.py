@@ -84,7 +84,7 @@ class Crossings:
             origin = self._onward(solid, start, d, t, triangle, ray, ~crossing)
         lost[waiting] = True
 
-    def light_through(self, start: Start, d, distance, inside):
+    def transmittance(self, start: Start, d, distance, inside):
         """The part of a light that arrives from `distance` away: transparency at every crossing (decision L3).
 
         And whether that is undecided. All arrays hold one entry a ray.

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from reference_tracer.errors import InputError
-from reference_tracer.reach import reach_in_frame
+from reference_tracer.scene.placement import reach_in_frame
 from reference_tracer.scene.model import Object, Scene
 from reference_tracer.surfaces import Paraboloid, Plane
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from reference_tracer.numbers import Dual
 from reference_tracer.scene.model import Object
-from reference_tracer.placement import corners_in_world, rotation_matrix
+from reference_tracer.scene.placement import corners_in_world, rotation_matrix
 
 CHUNK = 1 << 17  # points evaluated at once: bounds the memory of the derivatives
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reference_tracer.rays import Sides
+from reference_tracer.tracer.rays import Sides
 from reference_tracer.scene.model import Scene
 
 from .refine import Refinement
@@ -92,7 +92,7 @@ class Crossings:
         return Hit(t, p, facet, normal, index, met, lost)
 
     @dr.syntax
-    def light_through(self, o, d, distance, sides: Sides, active):
+    def transmittance(self, o, d, distance, sides: Sides, active):
         """The part of a light that reaches o from `distance` away: transparency at every crossing (decision L3)."""
         intensity = dr.select(active, mi.Float(1), 0)
         origin, passed, tries, searching = mi.Point3f(o), mi.Float(0), mi.UInt32(0), mi.Bool(active)

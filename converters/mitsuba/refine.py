@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference_tracer.numbers import Dual
-from reference_tracer.placement import rotation_matrix
+from reference_tracer.scene.placement import rotation_matrix
 from reference_tracer.scene.model import Object
 
 from .variant import dr, mi

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer.camera import canvas_point, frame
+from reference_tracer.tracer.camera import canvas_point, frame
 from reference_tracer.scene.model import Camera
 
 from .variant import mi

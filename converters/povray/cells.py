@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from reference_tracer.numbers import Interval
-from reference_tracer.placement import rotation_matrix
+from reference_tracer.scene.placement import rotation_matrix
 from reference_tracer.scene.model import Object
 
 PARTS = 8  # cells along each axis at first

@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from converters.mesh.placed import Placed
-from reference_tracer.placement import corners
-from reference_tracer.reach import reach
+from reference_tracer.scene.placement import corners, reach
 from reference_tracer.scene.model import Object, Scene
 from reference_tracer.surfaces import Plane
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from converters.mesh.placed import Placed
-from reference_tracer.placement import rotation_matrix
+from reference_tracer.scene.placement import rotation_matrix
 from reference_tracer.scene.model import Object
 from reference_tracer.surfaces import Ellipsoid, Paraboloid, Plane, Sphere, Torus
 

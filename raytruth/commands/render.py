@@ -46,7 +46,7 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     from reference_tracer.errors import InputError
-    from reference_tracer.image_files import require_writable, save
+    from reference_tracer.tracer.image_files import require_writable, save
     from reference_tracer.scene.library import find
 
     output = Path(arguments.output)
@@ -92,9 +92,9 @@ def _adjusted(scene, arguments):
 
 def _with_ours(scene, arguments):
     from comparisons.progress import Progress
-    from reference_tracer.estimate import compilation, duration, estimate
-    from reference_tracer.image_files import planes_of
-    from reference_tracer.render import Renderer
+    from reference_tracer.tracer.estimate import compilation, duration, estimate
+    from reference_tracer.tracer.image_files import planes_of
+    from reference_tracer.tracer.render import Renderer
 
     output = Path(arguments.output)
     memory.require(scene, planes_of(output), COPIES[output.suffix.lower()], arguments.memory)
@@ -119,7 +119,7 @@ def _with_ours(scene, arguments):
 
 def _may_be_long(scene) -> bool:
     """Whether so much could have to be done that it is worth to measure before."""
-    from reference_tracer.estimate import most_rays
+    from reference_tracer.tracer.estimate import most_rays
 
     paper = any(o.first_hit and o.first_hit.method == "paper" for o in scene.objects)
     steps = scene.tracing.max_distance / scene.tracing.step_size

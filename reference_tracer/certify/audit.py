@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from flint import ctx
 
-from ..world import World
+from ..tracer.world import World
 from .certificate import Audit
 from .objects import local_rays
 from .records import KINDS, NOTHING, allowance, settled_within, undecided

@@ -7,14 +7,27 @@ from collections import Counter, defaultdict
 import drjit as dr
 import numpy as np
 
-from ..shading import Collision
-from ..wavefront import Wave
-from ..world import World
+from ..tracer.shading import Interaction
+from ..tracer.wavefront import Wave
+from ..tracer.world import World
 from .certificate import KindCount
 from .objects import Radius, rivals
 from .precise import Decision
-from .records import (KINDS, NOTHING, PRIMARY, REFLECTION, REFRACTION, ROUNDING, SHADOW, allowance, hit_faults, numpy,
-                      row_type, shadow_faults, undecided)
+from .records import (
+    KINDS,
+    NOTHING,
+    PRIMARY,
+    REFLECTION,
+    REFRACTION,
+    ROUNDING,
+    SHADOW,
+    allowance,
+    hit_faults,
+    numpy,
+    row_type,
+    shadow_faults,
+    undecided,
+)
 from .sample import Reservoir
 from .shadows import shadow_rays
 from .sides import side_faults
@@ -47,7 +60,7 @@ class Census:
         self.largest_gap = self.largest_radius = 0.0
         self.first_pixel = 0  # of the band being traced; the caller sets it
 
-    def observe(self, wave: Wave, collision: Collision) -> None:
+    def observe(self, wave: Wave, interaction: Interaction) -> None:
         """One wave and what the audited method found; see wavefront.trace."""
         proven = self.proofs.nearest(wave.ray)
         radius = self.radius.of(wave.ray, proven)
@@ -59,14 +72,14 @@ class Census:
         rows["reach"] = self.reach[rows["pixel"]] + self._rounding(rows, 0)
         sides = side_faults(self.proofs, wave.ray, self.audited.arrays.Float(rows["reach"].copy()))
         dr.eval(proven, radius, rivalled, sides)
-        rows["generation"], rows["smooth"] = wave.generation, numpy(collision.smooth, count)
+        rows["generation"], rows["smooth"] = wave.generation, numpy(interaction.smooth, count)
         rows["edge"] = self.edges[rows["pixel"]]
         if wave.refracted is None:
             rows["kind"] = PRIMARY
         else:
             rows["kind"] = np.where(numpy(wave.refracted, count), REFRACTION, REFLECTION)
         rows["limit"] = self.audited.scene.tracing.max_distance
-        for name, hit in (("audited", collision.hit), ("proven", proven)):
+        for name, hit in (("audited", interaction.hit), ("proven", proven)):
             index = numpy(hit.index, count).astype(np.int64)
             met = index < self.audited.object_count
             rows[name]["index"] = np.where(met, index, NOTHING)
@@ -77,7 +90,7 @@ class Census:
         own_reach = self._reach_of_hits(rows)
         np.maximum.at(self.reach, rows["pixel"][active], own_reach[active])
         self._count_hits(rows[active], numpy(sides.wrong, count)[active], numpy(sides.index, count)[active])
-        lights = self._observe_shadows(wave, collision, rows, active, own_reach)
+        lights = self._observe_shadows(wave, interaction, rows, active, own_reach)
         self._write_down(rows, lights, active)
 
     def _describe(self, rows: np.ndarray, ray, count: int) -> None:
@@ -97,12 +110,12 @@ class Census:
         lost = a["undecided"] | undecided(rows)
         return np.where(lost, np.inf, np.where(met, allowance(rows) + self._rounding(rows, t), 0))
 
-    def _observe_shadows(self, wave, collision, rows, active, reach) -> np.ndarray:
+    def _observe_shadows(self, wave, interaction, rows, active, reach) -> np.ndarray:
         """Re-decides the shadow rays of a wave. Returns the audited intensity of every light, (n, lights), NaN where
         no shadow ray was traced."""
         count, lights = len(wave), []
-        for shadow in shadow_rays(self.audited, wave, collision):
-            verdicts = [world.light_through(shadow.ray, shadow.distance, shadow.asked)
+        for shadow in shadow_rays(self.audited, wave, interaction):
+            verdicts = [world.transmittance(shadow.ray, shadow.distance, shadow.asked)
                         for world in (self.audited, self.proofs)]
             dr.eval(verdicts)
             own = rows.copy()
@@ -117,9 +130,9 @@ class Census:
             self._count_shadows(own[asked])
             lights.append(np.where(asked, own["audited"]["light"], np.nan))
         seen = np.stack(lights, axis=-1) if lights else np.empty((count, 0))
-        asked, reached = (numpy(n, count) for n in (collision.lights_asked, collision.lights_reached))
+        asked, reached = (numpy(n, count) for n in (interaction.lights_asked, interaction.lights_reached))
         other = active & (((~np.isnan(seen)).sum(axis=-1) != asked) | ((seen > 0).sum(axis=-1) != reached))
-        if other.any():  # the tracer's own shadow rays are not those that its collisions call for
+        if other.any():  # the tracer's own shadow rays are not those that its interactions call for
             self._keep_wrong(("shadow rays astray", int(SHADOW), NOTHING), rows[other])
             self.kinds["shadow"].wrong += int(other.sum())
         return seen

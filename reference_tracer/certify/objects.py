@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import drjit as dr
 import numpy as np
 
-from ..families import Family, Member
 from ..numbers import OutwardInterval
-from ..rays import Hit, Ray, Sides
-from ..world import World
+from ..tracer.families import Family, Member
+from ..tracer.rays import Hit, Ray, Sides
+from ..tracer.world import World
 from .records import SHADOW, numpy
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..render import Picture
+from ..tracer.render import Picture
 from .certificate import PathErrors
 from .precise import Critical, Path, PreciseTracer
 from .records import KINDS

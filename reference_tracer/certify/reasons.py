@@ -7,7 +7,7 @@ from flint import ctx
 
 from ..numbers.exact import rational
 from ..surfaces.surface import Surface
-from ..world import World
+from ..tracer.world import World
 from .audit import Blame, audited_fault
 from .line import Line, ray_polynomial
 from .objects import crossings_of, local_rays

@@ -39,7 +39,7 @@ def numpy(array, count: int) -> np.ndarray:
 
 def is_inside(rows: np.ndarray, index: int) -> np.ndarray:
     """Whether each ray is inside object `index` at its start (rays.Sides)."""
-    from ..rays import BITS
+    from ..tracer.rays import BITS
 
     return (rows["sides"][:, index // BITS] >> np.uint64(index % BITS)) & np.uint64(1) != 0
 

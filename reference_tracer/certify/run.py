@@ -11,12 +11,12 @@ import numpy as np
 
 from ..backend import backend, use_threads
 from ..errors import InputError
-from ..camera_rays import camera_wave
-from ..render import render
 from ..scene.model import Scene
 from ..scene.promises import unproven
-from ..wavefront import MOST_RAYS, trace
-from ..world import World
+from ..tracer.camera_rays import camera_wave
+from ..tracer.render import render
+from ..tracer.wavefront import MOST_RAYS, trace
+from ..tracer.world import World
 from .audit import audit
 from .census import Census
 from .certificate import Certificate, Finding

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import drjit as dr
 
-from ..rays import Ray
-from ..shading import Collision
-from ..wavefront import Wave
-from ..world import World
+from ..tracer.rays import Ray
+from ..tracer.shading import Interaction
+from ..tracer.wavefront import Wave
+from ..tracer.world import World
 
 
 @dataclass
@@ -23,10 +23,10 @@ class ShadowRays:
     asked: object  # Bool, whether the tracer asks (section 4.3.1, decision L2)
 
 
-def shadow_rays(world: World, wave: Wave, collision: Collision) -> Iterator[ShadowRays]:
+def shadow_rays(world: World, wave: Wave, interaction: Interaction) -> Iterator[ShadowRays]:
     """The shadow rays that `wave` sends where it collided, light by light."""
     arrays = world.arrays
-    index = collision.hit.index
+    index = interaction.hit.index
     met = (wave.weight > 0) & (index < world.object_count)
     material = world.material(index, met)
     local_weight = arrays.Float(1)
@@ -35,10 +35,10 @@ def shadow_rays(world: World, wave: Wave, collision: Collision) -> Iterator[Shad
             local_weight = local_weight * (1 - share)
     for light in range(len(world.scene.lights)):
         position, _ = world.light(arrays.count(light))
-        to_light = position - collision.point
+        to_light = position - interaction.point
         distance = dr.norm(to_light)
         direction = to_light / distance
-        asked = met & (local_weight > 0) & (dr.dot(direction, collision.normal) > 0)
-        ray = Ray(collision.point, direction, wave.ray.sides)
+        asked = met & (local_weight > 0) & (dr.dot(direction, interaction.normal) > 0)
+        ray = Ray(interaction.point, direction, wave.ray.sides)
         dr.eval(direction, distance, asked)  # the same numbers for both methods, and for the audit
         yield ShadowRays(light, ray, distance, asked)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import drjit as dr
 
-from ..families import Family
 from ..numbers import Dual, OutwardInterval
-from ..rays import Ray
-from ..world import World
+from ..tracer.families import Family
+from ..tracer.rays import Ray
+from ..tracer.world import World
 
 # Sine of the angle to the surface below which rounding may turn a secondary direction to its other side: directions are
 # sums and products of unit vectors, normalised, off by some units in the last place.

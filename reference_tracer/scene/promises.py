@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..reach import reach_in_frame
 from ..surfaces import Clipped, Expression
 from ..surfaces.outside import Outside, outside
+from .placement import reach_in_frame
 
 if TYPE_CHECKING:
     from .model import Object, Scene

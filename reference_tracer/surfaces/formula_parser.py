@@ -8,8 +8,23 @@ import warnings
 from functools import lru_cache
 
 from .exact_polynomial import constant_value, vanishes
-from .formula import (FUNCTIONS, Call, Coordinate, FormulaError, Node, Number, Power, Product, RealPower, call,
-                      has_coordinates, negation, power, product, total)
+from .formula import (
+    FUNCTIONS,
+    Call,
+    Coordinate,
+    FormulaError,
+    Node,
+    Number,
+    Power,
+    Product,
+    RealPower,
+    call,
+    has_coordinates,
+    negation,
+    power,
+    product,
+    total,
+)
 
 LONGEST_FORMULA = 2000  # characters
 MOST_NODES = 500

@@ -17,8 +17,24 @@ from dataclasses import dataclass, field
 from flint import fmpq_mpoly
 
 from .exact_polynomial import polynomial, tree_of, vanishes
-from .formula import (Call, Coordinate, Negation, Node, Number, Power, Product, RealPower, Sum, children, degree,
-                      has_coordinates, negation, product, rebuilt, total)
+from .formula import (
+    Call,
+    Coordinate,
+    Negation,
+    Node,
+    Number,
+    Power,
+    Product,
+    RealPower,
+    Sum,
+    children,
+    degree,
+    has_coordinates,
+    negation,
+    product,
+    rebuilt,
+    total,
+)
 
 LARGEST_SCALE = 64  # |log2| of the size of values beyond which scale is taken out: squares of gradients stay finite
 MOST_TERMS = 500  # of an expanded form; longer ones cost more than they save

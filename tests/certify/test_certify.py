@@ -7,16 +7,16 @@ import pytest
 from certify_support import (ClaimsTooMuch, IsOff, SkipsRoots, TakesSideFromSign, breaking, make_scene,
                              mirror_and_glass, thing)
 
-from reference_tracer import rays, shading, wavefront
+from reference_tracer.tracer import rays, shading, wavefront
 from reference_tracer.backend import backend
 from reference_tracer.certify import certify
 from reference_tracer.certify.text import told
 from reference_tracer.errors import InputError
-from reference_tracer.camera_rays import camera_wave
+from reference_tracer.tracer.camera_rays import camera_wave
 from reference_tracer.surfaces.outside import Outside
-from reference_tracer.film import HIT
-from reference_tracer.render import render
-from reference_tracer.world import World
+from reference_tracer.tracer.film import HIT
+from reference_tracer.tracer.render import render
+from reference_tracer.tracer.world import World
 
 
 @pytest.fixture(scope="module")
@@ -43,10 +43,10 @@ def test_every_ray_of_the_picture_is_counted(sound):
     world = World(scene, "exact", backend())
     count, seen = scene.camera.width * scene.camera.height, {"secondary": 0, "shadow": 0}
 
-    def observe(wave, collision):
+    def observe(wave, interaction):
         active = np.broadcast_to(wave.weight.numpy() > 0, len(wave))
         seen["secondary"] += int(active.sum()) if wave.generation else 0
-        seen["shadow"] += int(np.broadcast_to(collision.lights_asked.numpy(), len(wave))[active].sum())
+        seen["shadow"] += int(np.broadcast_to(interaction.lights_asked.numpy(), len(wave))[active].sum())
 
     wavefront.trace(world, camera_wave(world, world.camera_sides(), 0, count, 1), count, observe=observe)
     kinds = sound.kinds
@@ -182,7 +182,7 @@ def test_nonsense_is_refused():
 
 
 def test_shadow_rays_that_run_astray_are_found(monkeypatch):
-    """The tracer's own shadow rays are compared with those that its collisions call for; here they point backwards."""
+    """The tracer's own shadow rays are compared with those that its interactions call for; here they point backwards."""
     monkeypatch.setattr(shading, "Ray", lambda o, d, sides: rays.Ray(o, -d, sides))
     certificate = certify(mirror_and_glass(max_depth=1), sample=50, paths=8)
     assert "shadow rays astray" in {fault for fault, _, _ in _faults(certificate)}

@@ -12,7 +12,7 @@ from reference_tracer.certify.objects import crossings_of, local_rays
 from reference_tracer.certify.records import SHADOW, row_type, settled_within
 from reference_tracer.certify.run import take
 from reference_tracer.certify.verdict import decide
-from reference_tracer.world import World
+from reference_tracer.tracer.world import World
 
 BALL = "(x**2 + y**2/4 + z**2 - 1)"
 FORMS = {"fifth power": f"{BALL}**5", "product": f"{BALL}*{BALL}*{BALL}", "no polynomial": f"(exp{BALL} - 1)**3",

@@ -9,7 +9,7 @@ from reference_tracer.backend import backend
 from reference_tracer.certify.objects import Radius, local_rays, ray_of
 from reference_tracer.certify.records import numpy, row_type
 from reference_tracer.certify.verdict import decide
-from reference_tracer.world import World
+from reference_tracer.tracer.world import World
 
 TURNED = {"axis": [1, 2, -0.5], "degrees": 33}
 THINGS = {

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from reference_tracer.render import Picture
-from reference_tracer.render import render as trace
+from reference_tracer.tracer.render import Picture
+from reference_tracer.tracer.render import render as trace
 
 WAYS = {  # the state a run must get, and a word of its message
     "segfault": ("crashed", "SIGSEGV"),

@@ -12,7 +12,7 @@ from comparisons.attribution.attribute import attribute
 from comparisons.attribution.bounds import SINGLE, accuracy_of, bounds
 from comparisons.attribution.records import STAGES
 from reference_tracer.errors import InputError
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene import library
 
 ISSUE = {"y-flipped": "camera", "normal-not-turned": "normal", "shadow-once": "shadow", "as-printed": "refraction",
@@ -154,7 +154,7 @@ def test_derived_scenes_leave_later_stages_nothing_to_do():
 def test_an_object_is_looked_at_from_within():
     scene = effect("total-reflection", 60, 45)
     picture = right(derived.geometry(scene))
-    from reference_tracer.placement import is_inside
+    from reference_tracer.scene.placement import is_inside
 
     for k in (1, 2):  # a ball holds its own centre, a ring does not
         inner = derived.within(scene, k, {"index": picture.index, "t": picture.t})

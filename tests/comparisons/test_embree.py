@@ -11,7 +11,7 @@ from converters.embree import Crossings, Solid, convert
 from converters.embree.crossings import Start
 from converters.mesh import mesh_object
 from reference_tracer.errors import MissingError
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
 from reference_tracer.surfaces import Plane, Sphere, Torus
 
@@ -115,12 +115,12 @@ def test_all_crossings_of_a_torus_are_counted():
     crossings = Crossings(scene, convert(scene, 64))
     angle = np.linspace(0, 2 * np.pi, 200, endpoint=False)
     across = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    intensity, lost = crossings.light_through(_from(3 * across), -across, np.full(200, 6.0), np.zeros((200, 1), bool))
+    intensity, lost = crossings.transmittance(_from(3 * across), -across, np.full(200, 6.0), np.zeros((200, 1), bool))
     assert intensity == pytest.approx(0.5**4) and not lost.any()
     # and from every first hit on, as a shadow ray leaves it: the three that are left
     hit = crossings.first_hit(_from(3 * across), -across, np.zeros((200, 1), bool))
     start = Start(3 * across - hit.t[:, None] * across, hit.index, hit.facet)
-    intensity, _ = crossings.light_through(start, -across, np.full(200, 6.0), np.ones((200, 1), bool))
+    intensity, _ = crossings.transmittance(start, -across, np.full(200, 6.0), np.ones((200, 1), bool))
     assert intensity == pytest.approx(0.5**3)
 
 

@@ -10,7 +10,7 @@ from comparisons.verdicts import metrics, tolerances
 from comparisons.verdicts.judge import judge
 from comparisons.verdicts.metrics import GRAZING
 from comparisons.verdicts.tolerances import MESH, NATIVE, unmeasured
-from reference_tracer.render import UNDECIDED
+from reference_tracer.tracer.render import UNDECIDED
 
 SIDE = 64
 

@@ -13,7 +13,7 @@ from comparisons.execution.store import Store
 from comparisons.verdicts import oracle
 from comparisons.verdicts.judge import literal
 from raytruth.cli import main
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene import library
 from reference_tracer.scene.load import parse_scene
 

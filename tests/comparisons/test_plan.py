@@ -13,7 +13,7 @@ from comparisons.planning.text import told
 from comparisons.planning.yardstick import Yardstick
 from raytruth.cli import main
 from reference_tracer.errors import InputError
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.load import load_scene
 
 TOLERANCE = 1e-3

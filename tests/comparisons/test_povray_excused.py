@@ -9,7 +9,7 @@ from comparisons.verdicts import conditioning as module
 from comparisons.execution.store import Store
 from comparisons.verdicts.conditioning import excused
 from comparisons.verdicts.judge import excuses
-from reference_tracer.render import HIT, UNDECIDED, render
+from reference_tracer.tracer.render import HIT, UNDECIDED, render
 from reference_tracer.scene.load import parse_scene
 
 LIMIT = 2e-5

@@ -12,10 +12,10 @@ from comparisons.random_scenes import grammar, suite, worker
 from comparisons.random_scenes.arithmetic import Formula, Taylor, rational
 from comparisons.random_scenes.oracle import NOTHING, NotDefined, Oracle, Unsettled, exactly
 from raytruth.cli import main
-from reference_tracer.families import Member
+from reference_tracer.tracer.families import Member
 from reference_tracer.first_hit import bounded_quadric, segments
-from reference_tracer.rays import Sides
-from reference_tracer.world import World
+from reference_tracer.tracer.rays import Sides
+from reference_tracer.tracer.world import World
 
 FEW = (16, 32, 88, 128, 136, 144, 168, 184, 208, 216)  # of many kinds
 
@@ -120,10 +120,10 @@ def losing_some(right):
 
 
 def never_dark(right):
-    def light_through(self, ray, distance, active):
+    def transmittance(self, ray, distance, active):
         intensity, undecided = right(self, ray, distance, active)
         return dr.select(active, 1, intensity), undecided
-    return light_through
+    return transmittance
 
 
 def stretched(right):
@@ -138,7 +138,7 @@ FAULTS = {
     "closed forms that lose hits": (bounded_quadric.BoundedQuadric, "first", losing_some, 16, "hit"),
     "searches that lose hits": (segments.SegmentMethod, "first", losing_some, 216, "hit"),
     "sides turned": (Sides, "test", lambda right: lambda self, index: ~right(self, index), 216, "distance"),
-    "shadows forgotten": (World, "light_through", never_dark, 136, "color"),
+    "shadows forgotten": (World, "transmittance", never_dark, 136, "color"),
     "gradients off": (Member, "normal_at", stretched, 16, "normal")}
 
 

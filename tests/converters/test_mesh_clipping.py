@@ -7,7 +7,7 @@ import pytest
 
 from converters.mesh import check
 from converters.povray import convert as convert_to_povray
-from reference_tracer.reach import reach
+from reference_tracer.scene.placement import reach
 from reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Tracing
 from reference_tracer.surfaces import Bounds, Expression, Paraboloid, Plane, Sphere
 

@@ -7,9 +7,9 @@ from comparisons.renderers.embree import render as render_embree
 from comparisons.renderers.mitsuba import render as render_mitsuba
 from converters.mitsuba import convert, pixel_directions, sensor
 from converters.mitsuba.variant import mi
-from reference_tracer.camera import canvas_point, frame
+from reference_tracer.tracer.camera import canvas_point, frame
 from reference_tracer.errors import InputError
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Camera, Material, Object, Rotation, Tracing
 from reference_tracer.surfaces import Bounds, Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
 

@@ -6,7 +6,7 @@ import pytest
 from comparisons.renderers.mitsuba import render as render_mitsuba
 from converters.mitsuba import convert, document_directions, grid
 from reference_tracer.errors import InputError
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Material, Object, Rotation
 from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from comparisons.renderers.mitsuba import render as render_mitsuba
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Camera, Light, Material, Object, Tracing
 from reference_tracer.surfaces import Ellipsoid, Plane, Sphere, Torus
 

@@ -5,7 +5,7 @@ import pytest
 
 from comparisons.renderers.mitsuba import render as render_mitsuba
 from converters.mitsuba import refine
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Material, Object, Rotation
 from reference_tracer.surfaces import Ellipsoid, Heart, Paraboloid, Plane, Torus
 

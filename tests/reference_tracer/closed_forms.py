@@ -1,7 +1,7 @@
 """Where a line crosses a surface, from the equations of section 7.1 by hand: independent of the code under test.
 
 Roots come from the quadratic formula, or from numpy.roots polished by Newton steps on the printed equation. `Exact`
-answers the oracle's questions (reference_tracer.recursive.Search) from them.
+answers the oracle's questions (reference_tracer.oracle.literal.Search) from them.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def first_after_start(crossings, inside, far_inside=False) -> np.ndarray:
 
 
 class Exact:
-    """The model's truth for scenes of planes, quadrics and tori (reference_tracer.recursive.Search)."""
+    """The model's truth for scenes of planes, quadrics and tori (reference_tracer.oracle.literal.Search)."""
 
     def __init__(self, scene):
         self.scene = scene
@@ -77,7 +77,7 @@ class Exact:
         met = t <= self.scene.tracing.max_distance
         return np.where(met, t, np.inf), np.where(met, index, -1)
 
-    def light_through(self, o, d, inside, distance):
+    def transmittance(self, o, d, inside, distance):
         intensity = np.ones(len(o))
         for k, obj in enumerate(self.scene.objects):
             crossings = line_crossings(obj, o, d)

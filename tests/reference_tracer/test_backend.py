@@ -12,7 +12,7 @@ from tracing_support import make_scene, thing
 from reference_tracer import llvm
 from reference_tracer.backend import backend
 from reference_tracer.errors import InputError
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 
 
 def folder_with(path, *names):

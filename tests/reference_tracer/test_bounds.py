@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from tracing_support import make_scene, random_rays, shine, shoot, thing
 
-from reference_tracer import recursive
+from reference_tracer.oracle import literal
 from reference_tracer.certify import certify
 from reference_tracer.certify.text import told
 from reference_tracer.errors import InputError
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.promises import unproven
 from reference_tracer.surfaces import KINDS, Bounds, Ellipsoid, Expression, Heart, Sphere, Torus
@@ -124,11 +124,11 @@ def test_nothing_relies_on_bounds_that_are_not_proven():
 
 
 def test_paper_equals_the_literal_search_whatever_the_promise():
-    """recursive.py knows no boxes at all."""
+    """literal.py knows no boxes at all."""
     scene = make_scene(formula(HIDDEN, 1.1, (-1.1, 0, 6), rotation={"axis": [0, 1, 0], "degrees": 20}), size=(40, 30),
                        camera={"fov": 16, "direction": [1.8, 0, 5]}, lights=[((2, 3, -1), (1, 1, 1))])
     picture = render(scene, "paper")
-    assert np.abs(picture.color - recursive.render(scene)).max() < 1e-9
+    assert np.abs(picture.color - literal.render(scene)).max() < 1e-9
     small = (picture.index == 0) & (np.abs(picture.position[..., 0]) > 1.2)
     assert small.sum() > 10
 

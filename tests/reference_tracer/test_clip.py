@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from tracing_support import make_scene, random_rays, shine, shoot, thing, unit
 
-from reference_tracer import recursive
+from reference_tracer.oracle import literal
 from reference_tracer.certify import certify
 from reference_tracer.errors import InputError
-from reference_tracer.placement import rotation_matrix
-from reference_tracer.render import render
+from reference_tracer.scene.placement import rotation_matrix
+from reference_tracer.tracer.render import render
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Object, Scene, json_schema
 from reference_tracer.surfaces import Bounds, Clipped, Sphere
@@ -119,14 +119,14 @@ def test_normals_belong_to_the_part_that_is_met():
 
 
 def test_paper_equals_the_literal_search():
-    """Glass and mirrors, clipped; recursive.py has no boxes. Where f is not defined nothing is inside (M7)."""
+    """Glass and mirrors, clipped; literal.py has no boxes. Where f is not defined nothing is inside (M7)."""
     scene = make_scene(
         clipped(thing("torus", (-0.7, 0, 4), R=0.8, r=0.3, material={"transparency": 0.5, "refractive_index": 1.3},
                       rotation=TURN), {"low": [-2, -2, -2], "high": [0.2, 2, 2]}),
         clipped(thing("expression", (1.2, 0, 5), formula="sqrt(x) + y**2 + z**2 - 1", material={"reflection": 0.5}), CUBE),
         clipped(thing("heart", (0, 1, 4)), {"low": [-2, -2, -0.2], "high": [2, 2, 2]}),
         size=(20, 15), lights=[((2, 3, -1), (1, 1, 1))], max_depth=2, max_distance=12)
-    assert np.abs(render(scene, "paper").color - recursive.render(scene)).max() < 1e-9
+    assert np.abs(render(scene, "paper").color - literal.render(scene)).max() < 1e-9
 
 
 def test_a_clipped_scene_is_certified():

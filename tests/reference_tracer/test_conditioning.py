@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from tracing_support import make_scene, thing
 
-from reference_tracer.film import UNDECIDED
-from reference_tracer.render import render
+from reference_tracer.tracer.film import UNDECIDED
+from reference_tracer.tracer.render import render
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.conditioning import shift
 

@@ -11,7 +11,7 @@ from tracing_support import follow, make_scene, shine, shoot, thing, unit
 
 import reference_tracer
 from reference_tracer.first_hit import METHODS
-from reference_tracer.render import UNDECIDED, render
+from reference_tracer.tracer.render import UNDECIDED, render
 
 FORWARD = (0, 0, 1)
 TRUTHS = ("paper", "exact")

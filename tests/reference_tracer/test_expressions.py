@@ -12,7 +12,7 @@ from tracing_support import make_scene, thing
 
 from reference_tracer.backend import backend
 from reference_tracer.errors import InputError
-from reference_tracer.render import UNDECIDED, render
+from reference_tracer.tracer.render import UNDECIDED, render
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.formula import FUNCTIONS

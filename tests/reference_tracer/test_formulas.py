@@ -11,7 +11,7 @@ from tracing_support import make_scene, shoot, thing
 from reference_tracer.certify.line import follow
 from reference_tracer.errors import InputError
 from reference_tracer.numbers import OutwardInterval
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.expression import Bounds, forms_of
 from reference_tracer.surfaces.formula import FormulaError

@@ -8,8 +8,8 @@ import pytest
 from tracing_support import make_scene, thing
 
 from reference_tracer.errors import InputError
-from reference_tracer.image_files import PLANES, load_npz, save, to_8_bit, write_8_bit
-from reference_tracer.render import HIT, MISS, render
+from reference_tracer.tracer.image_files import PLANES, load_npz, save, to_8_bit, write_8_bit
+from reference_tracer.tracer.render import HIT, MISS, render
 
 
 @pytest.fixture(scope="module")

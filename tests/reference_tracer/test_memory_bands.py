@@ -5,11 +5,12 @@ import pytest
 from closed_forms import Exact
 from tracing_support import make_scene, thing
 
-import reference_tracer.render as render_module
-from reference_tracer import recursive, wavefront
+import reference_tracer.tracer.render as render_module
+from reference_tracer.oracle import literal
+from reference_tracer.tracer import wavefront
 from reference_tracer.backend import use_threads
 from reference_tracer.errors import InputError
-from reference_tracer.render import render
+from reference_tracer.tracer.render import render
 
 GLASS = {"color": [0.2, 0.3, 0.2], "reflection": 0.3, "transparency": 0.6, "refractive_index": 1.4}
 OBJECTS = [thing("sphere", (-0.6, 0, 4), r=1, material=GLASS),
@@ -112,7 +113,7 @@ def test_M3_sides_of_more_objects_than_a_word_holds(method):
     balls = [thing("sphere", center, r=random.uniform(0.3, 0.5), material=material) for center in centers]
     scene = make_scene(*balls, lights=LIGHTS[:1], size=(8, 6), camera={"fov": 75}, max_depth=1, max_distance=12,
                        step_size=0.5)
-    expected = recursive.render(scene, Exact(scene) if method == "exact" else None)
+    expected = literal.render(scene, Exact(scene) if method == "exact" else None)
     found = render(scene, method)
     assert {0, 1, 2} == set(found.index[found.index >= 0] // 63)
     np.testing.assert_allclose(found.color, expected, rtol=0, atol=1e-12)

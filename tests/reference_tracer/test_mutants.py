@@ -185,7 +185,7 @@ MUTANTS = {
         "total = sin1 > n2 / n1\n", "total = sin1 >= n2 / n1\n",
         refraction.test_R2_at_the_critical_angle_itself_it_refracts),
     "R3 total reflection for nothing": Mutant(
-        "dr.select(collision.total_reflection, T, 0)", "dr.select(collision.total_reflection, 0 * T, 0)",
+        "dr.select(interaction.total_reflection, T, 0)", "dr.select(interaction.total_reflection, 0 * T, 0)",
         refraction.test_R3_total_reflection_keeps_the_weight_of_refraction, ("exact",)),
     "R3 traced twice": Mutant(
         "dr.select(met & ~refraction.total, T, 0)", "dr.select(met, T, 0)",

@@ -10,7 +10,7 @@ from tracing_support import make_scene, shine, shoot, thing
 
 from reference_tracer.certify.line import follow, ray_polynomial
 from reference_tracer.numbers.exact import RationalPolynomial
-from reference_tracer.render import UNDECIDED, render
+from reference_tracer.tracer.render import UNDECIDED, render
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.exact_polynomial import polynomial
 from reference_tracer.surfaces.expression import forms_of

@@ -5,8 +5,8 @@ import pytest
 from tracing_support import follow, make_scene, thing, unit
 
 from reference_tracer.backend import backend
-from reference_tracer.render import render
-from reference_tracer.secondary import reflect, refract
+from reference_tracer.tracer.render import render
+from reference_tracer.tracer.shading import reflect, refract
 
 METHODS = ("paper", "exact")
 SIZE = (9, 7)

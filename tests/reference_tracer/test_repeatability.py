@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from tracing_support import make_scene, thing
 
-from reference_tracer import wavefront
-from reference_tracer.render import UNDECIDED, Watch, render
-from reference_tracer.shading import collide
+from reference_tracer.tracer import wavefront
+from reference_tracer.tracer.render import UNDECIDED, Watch, render
+from reference_tracer.tracer.shading import interact
 
 OUTSIDE = """
 import hashlib, json, sys
-from reference_tracer.render import render
-from reference_tracer.film import PLANES
+from reference_tracer.tracer.render import render
+from reference_tracer.tracer.film import PLANES
 from reference_tracer.scene import library
 name, method, precision, threads, adaptive = json.loads(sys.argv[1])
 scene = library.scene(name).resized(96, 72, samples=3).traced_with(adaptive=adaptive)
@@ -55,14 +55,14 @@ def test_colours_have_the_digits_of_the_brightest_whatever_its_size(brightness):
 def test_a_colour_that_is_not_finite_is_never_a_decided_number(monkeypatch):
     """No scene makes one; a shading that does is noticed, in its pixels and in no others."""
     def spoilt(world, ray, active):
-        collision = collide(world, ray, active)
-        x = collision.point[0]
-        collision.color[0] = world.arrays.Float(np.where(np.arange(len(x)) % 3 == 0, np.inf, collision.color[0].numpy()))
-        return collision
+        interaction = interact(world, ray, active)
+        x = interaction.point[0]
+        interaction.color[0] = world.arrays.Float(np.where(np.arange(len(x)) % 3 == 0, np.inf, interaction.color[0].numpy()))
+        return interaction
 
     scene = make_scene(thing("sphere", (0, 0, 4), r=1), size=(8, 6), lights=[((0, 3, 0), (1, 1, 1))])
     right = render(scene)
-    monkeypatch.setattr(wavefront, "collide", spoilt)
+    monkeypatch.setattr(wavefront, "interact", spoilt)
     picture = render(scene, watch=Watch())  # watched renders are not recorded
     spoilt_ones = (np.arange(48) % 3 == 0).reshape(6, 8)
     assert np.isnan(picture.color[spoilt_ones]).all() and (picture.status[spoilt_ones] == UNDECIDED).all()

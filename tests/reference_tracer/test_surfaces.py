@@ -9,7 +9,7 @@ from closed_forms import into_frame
 from tracing_support import make_scene, thing, unit
 
 from reference_tracer.numbers import Dual, OutwardInterval
-from reference_tracer.placement import is_inside, rotation_matrix
+from reference_tracer.scene.placement import is_inside, rotation_matrix
 from reference_tracer.surfaces import Ellipsoid, Heart, Paraboloid, Plane, Sphere, Torus
 
 

@@ -1,6 +1,6 @@
 """The fast tracer against the recursive oracle: two programs, one picture, to 1e-12.
 
-For `paper` the oracle marches as sections 4.1 and 4.2 say (all_steps.AllSteps: recursive.LiteralSearch with the loop
+For `paper` the oracle marches as sections 4.1 and 4.2 say (all_steps.AllSteps: literal.LiteralSearch with the loop
 over steps made an axis); for `exact` it takes its hits from closed_forms.Exact.
 """
 
@@ -10,8 +10,8 @@ from all_steps import AllSteps
 from closed_forms import Exact
 from tracing_support import make_scene, thing
 
-from reference_tracer import recursive
-from reference_tracer.render import render
+from reference_tracer.oracle import literal
+from reference_tracer.tracer.render import render
 from reference_tracer.scene import library
 
 TOLERANCE = 1e-12
@@ -32,7 +32,7 @@ def affordable(scene):
 @pytest.mark.parametrize("name", library.names())
 def test_paper_on_every_shipped_scene(name):
     scene = affordable(library.scene(name))
-    expected = recursive.render(scene, AllSteps(scene))
+    expected = literal.render(scene, AllSteps(scene))
     assert np.ptp(expected) > 0.05
     np.testing.assert_allclose(render(scene, "paper").color, expected, rtol=0, atol=TOLERANCE)
 
@@ -52,7 +52,7 @@ def _with_closed_forms() -> list[str]:
 @pytest.mark.parametrize("name", _with_closed_forms())
 def test_exact_on_every_shipped_geometry_with_closed_forms(name):
     scene = affordable(library.scene(name))
-    expected = recursive.render(scene, Exact(scene))
+    expected = literal.render(scene, Exact(scene))
     np.testing.assert_allclose(render(scene, "exact").color, expected, rtol=0, atol=TOLERANCE)
 
 
@@ -100,7 +100,7 @@ MARCHED = {
 def test_exact_on_small_scenes(name):
     objects, rest = SCENES[name]
     scene = make_scene(*objects, **{**COMMON, **rest})
-    expected = recursive.render(scene, Exact(scene))
+    expected = literal.render(scene, Exact(scene))
     assert np.ptp(expected) > 0.2
     np.testing.assert_allclose(render(scene, "exact").color, expected, rtol=0, atol=TOLERANCE)
 
@@ -109,7 +109,7 @@ def test_exact_on_small_scenes(name):
 def test_paper_on_small_scenes(name):
     objects, rest = {**SCENES, **MARCHED}[name]
     scene = make_scene(*objects, **{**COMMON, **rest})
-    expected = recursive.render(scene, AllSteps(scene))
+    expected = literal.render(scene, AllSteps(scene))
     assert np.ptp(expected) > 0.2
     np.testing.assert_allclose(render(scene, "paper").color, expected, rtol=0, atol=TOLERANCE)
 
@@ -119,7 +119,7 @@ def test_all_steps_at_once_are_the_literal_steps_one_by_one(name):
     """The two searches of the oracle agree to the last bit but for the order of products."""
     objects, rest = {**SCENES, **MARCHED}[name]
     scene = make_scene(*objects, **{**COMMON, **rest, "size": (8, 6), "max_depth": 2})
-    np.testing.assert_allclose(recursive.render(scene, AllSteps(scene)), recursive.render(scene), rtol=1e-14)
+    np.testing.assert_allclose(literal.render(scene, AllSteps(scene)), literal.render(scene), rtol=1e-14)
 
 
 def test_the_comparison_can_fail():
@@ -127,4 +127,4 @@ def test_the_comparison_can_fail():
     objects, rest = SCENES["balls of glass and of mirror"]
     scene = make_scene(*objects, **{**COMMON, **rest})
     other = make_scene(*objects, **{**COMMON, **rest, "max_depth": 3})
-    assert np.abs(render(scene, "exact").color - recursive.render(other, Exact(other))).max() > 1e-4
+    assert np.abs(render(scene, "exact").color - literal.render(other, Exact(other))).max() > 1e-4

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference_tracer.backend import backend
-from reference_tracer.placement import is_inside
-from reference_tracer.rays import BITS, Ray, Sides
-from reference_tracer.camera_rays import camera_wave
+from reference_tracer.scene.placement import is_inside
+from reference_tracer.tracer.rays import BITS, Ray, Sides
+from reference_tracer.tracer.camera_rays import camera_wave
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
-from reference_tracer.wavefront import trace
-from reference_tracer.world import World
+from reference_tracer.tracer.wavefront import trace
+from reference_tracer.tracer.world import World
 
 
 def thing(kind: str, center=(0, 0, 0), *, material: dict | None = None, rotation: dict | None = None,
@@ -63,7 +63,7 @@ def shine(scene: Scene, o, d, distance, method: str = "exact", inside=None) -> n
     """The part of a light's intensity that arrives at o from `distance` away in direction d."""
     world, ray, count = _rays(scene, method, o, d, inside)
     arrays = world.arrays
-    intensity, _ = world.light_through(ray, arrays.Float(np.broadcast_to(distance, count).astype(float).copy()),
+    intensity, _ = world.transmittance(ray, arrays.Float(np.broadcast_to(distance, count).astype(float).copy()),
                                        arrays.Bool(np.ones(count, bool)))
     return np.broadcast_to(intensity.numpy(), count).copy()
 

@@ -8,8 +8,8 @@ import pytest
 from report_support import ERROR_AT, HEIGHT, MISMATCH_AT, NAN_AT, UNDECIDED_AT, WIDTH, make_results
 
 from comparisons import results as documents
-from reference_tracer.image_files import save_npz
-from reference_tracer.render import UNDECIDED, Picture, render
+from reference_tracer.tracer.image_files import save_npz
+from reference_tracer.tracer.render import UNDECIDED, Picture, render
 from reference_tracer.scene import library
 
 

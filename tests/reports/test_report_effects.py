@@ -9,7 +9,7 @@ from report_support import ERROR_AT, make_results
 import reports
 from comparisons import results as documents
 from comparisons.results import Effect
-from reference_tracer.image_files import to_8_bit
+from reference_tracer.tracer.image_files import to_8_bit
 from reference_tracer.scene import library
 from reports import scale
 from reports.decisions import Decision

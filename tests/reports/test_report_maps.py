@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reference_tracer.render import HIT, MISS, UNDECIDED
+from reference_tracer.tracer.render import HIT, MISS, UNDECIDED
 from reports import maps, scale
 from reports.planes import Planes
 from reports.rings import around_marks, around_worst

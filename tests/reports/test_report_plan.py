@@ -11,7 +11,7 @@ from comparisons.execution import store
 from comparisons.planning import results
 from comparisons.planning.results import DecisionRecord, MeshTrial, Plan, Proof, Ratio, Saved, Trial
 from reference_tracer.errors import InputError
-from reference_tracer.image_files import to_8_bit
+from reference_tracer.tracer.image_files import to_8_bit
 from reports.assemble import build
 
 WIDTH, HEIGHT = 8, 6

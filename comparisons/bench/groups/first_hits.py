@@ -7,8 +7,8 @@ import numpy as np
 
 from reference_tracer.backend import backend, use_threads
 from reference_tracer.first_hit import METHODS
-from reference_tracer.camera_rays import camera_wave
-from reference_tracer.world import World
+from reference_tracer.tracer.camera_rays import camera_wave
+from reference_tracer.tracer.world import World
 
 from ..contestants import SINGLE, THREADS
 from ..options import Options, picture

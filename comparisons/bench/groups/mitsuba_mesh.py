@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference_tracer.errors import UnsupportedError
-from reference_tracer.render import UNDECIDED, Picture, render
+from reference_tracer.tracer.render import UNDECIDED, Picture, render
 from reference_tracer.scene.model import Scene
 
 from ...renderers import render as render_with

@@ -6,8 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from reference_tracer.shading import Collision
-from reference_tracer.wavefront import Wave, trace
+from reference_tracer.tracer.shading import Interaction
+from reference_tracer.tracer.wavefront import Wave, trace
 
 from ..family import About
 from ..law import Law
@@ -75,12 +75,12 @@ def _observe(case: Case, method: Method, precision: int, accuracy: float) -> Obs
     arrays, count = world.arrays, len(case.o)
     value, undecided, met = np.zeros(count), np.zeros(count, bool), np.ones(count, bool)
 
-    def add(wave: Wave, collision: Collision):
+    def add(wave: Wave, interaction: Interaction):
         slot = wave.slot.numpy()
         counts = (wave.weight.numpy() > 0) & (case.truth["generation"][slot] >= wave.generation)
-        value[slot[counts]] += (collision.color.numpy()[0] * wave.weight.numpy())[counts]
-        undecided[slot[counts]] |= collision.undecided.numpy()[counts]
-        met[slot[counts]] &= (collision.hit.index.numpy() < world.object_count)[counts]
+        value[slot[counts]] += (interaction.color.numpy()[0] * wave.weight.numpy())[counts]
+        undecided[slot[counts]] |= interaction.undecided.numpy()[counts]
+        met[slot[counts]] &= (interaction.hit.index.numpy() < world.object_count)[counts]
 
     wave = Wave(0, camera_rays(world, case.o, case.d), arrays.Float(np.ones(count)), arrays.UInt(np.arange(count)))
     trace(world, wave, slots=count, observe=add)

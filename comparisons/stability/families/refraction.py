@@ -11,9 +11,9 @@ from dataclasses import replace
 import drjit as dr
 import numpy as np
 
-from reference_tracer.rays import Ray
+from reference_tracer.tracer.rays import Ray
 from reference_tracer.scene.model import Scene
-from reference_tracer.shading import collide
+from reference_tracer.tracer.shading import interact
 
 from ..exact import rational
 from ..family import About
@@ -67,13 +67,13 @@ def _observe_total(case: Case, method: Method, precision: int) -> Observed | Non
     world = world_of(case.scene, method, precision)
     if world is None:
         return None
-    collision = collide(world, camera_rays(world, case.o, case.d), world.arrays.Bool(True))
-    dr.eval(collision)
-    total, truth = collision.refracted_weight.numpy() == 0, case.truth["total"]
-    met = collision.hit.index.numpy() < world.object_count
+    interaction = interact(world, camera_rays(world, case.o, case.d), world.arrays.Bool(True))
+    dr.eval(interaction)
+    total, truth = interaction.refracted_weight.numpy() == 0, case.truth["total"]
+    met = interaction.hit.index.numpy() < world.object_count
     kinds = np.full(len(total), CODE["correct"])
     for name, where in (("false", total & ~truth), ("missed", ~total & truth), ("missed", ~met),
-                        ("undecided", collision.undecided.numpy())):
+                        ("undecided", interaction.undecided.numpy())):
         kinds[np.broadcast_to(where, kinds.shape)] = CODE[name]
     return Observed(kinds, np.full(len(kinds), np.nan))
 
@@ -99,11 +99,11 @@ def _observe_direction(case: Case, method: Method, precision: int) -> Observed |
     ray = camera_rays(world, case.o, case.d)
     met, undecided = True, False
     for _ in range(len(case.scene.objects)):
-        collision = collide(world, ray, world.arrays.Bool(True))
-        dr.eval(collision)
-        met = met & (collision.hit.index.numpy() < world.object_count)
-        undecided = undecided | (collision.hit.undecided.numpy() | ~collision.smooth.numpy())
-        ray = Ray(collision.point, collision.refracted, collision.refracted_sides)
+        interaction = interact(world, ray, world.arrays.Bool(True))
+        dr.eval(interaction)
+        met = met & (interaction.hit.index.numpy() < world.object_count)
+        undecided = undecided | (interaction.hit.undecided.numpy() | ~interaction.smooth.numpy())
+        ray = Ray(interaction.point, interaction.refracted, interaction.refracted_sides)
     error = np.abs(ray.d.numpy().T - case.truth["direction"]).max(axis=1)
     if "point" in case.truth:
         error = np.maximum(error, np.abs(ray.o.numpy().T - case.truth["point"]).max(axis=1))

@@ -6,7 +6,7 @@ import numpy as np
 
 from converters.mitsuba.dressed import area, dielectric, diffuse, dressed
 from converters.mitsuba.radiance import Radiance, radiance
-from reference_tracer.placement import is_inside
+from reference_tracer.scene.placement import is_inside
 
 from ..case import Case
 from .rooms import CORNER_LIGHT, LADDER, NOISY, ball, corner, corner_camera, glow, scene

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import drjit as dr
 import numpy as np
 
+from ..scene.model import Scene
 from .rays import Ray
 from .render import Picture, Watch, render
-from .scene.model import Scene
-from .shading import Collision
+from .shading import Interaction
 from .wavefront import Wave
 
 UNIT = {64: 2.0**-53, 32: 2.0**-24}  # of rounding
@@ -58,14 +58,14 @@ class Perturbation(Watch):
         dr.eval(o, d)
         return Ray(o, d, wave.ray.sides)
 
-    def observe(self, wave: Wave, collision: Collision) -> None:
+    def observe(self, wave: Wave, interaction: Interaction) -> None:
         UInt = self.world.arrays.UInt
         active = wave.weight > 0
         # sums of hashes do not depend on the order in which a pixel's rays are traced
-        place = (collision.hit.index + 1) * 0x9E3779B1 ^ self.world.generation(wave.generation) * 0x85EBCA77
-        parts = {OBJECT: place * 0xC2B2AE3D, LIGHT: place * (collision.lights_reached + 1)}
-        if collision.refracted_weight is not None:
-            parts[TOTAL_REFLECTION] = dr.select(collision.total_reflection, place, UInt(0))
+        place = (interaction.hit.index + 1) * 0x9E3779B1 ^ self.world.generation(wave.generation) * 0x85EBCA77
+        parts = {OBJECT: place * 0xC2B2AE3D, LIGHT: place * (interaction.lights_reached + 1)}
+        if interaction.refracted_weight is not None:
+            parts[TOTAL_REFLECTION] = dr.select(interaction.total_reflection, place, UInt(0))
         for risk, value in parts.items():
             dr.scatter_add(self.sums[risk], dr.select(active, value, 0), wave.slot, mode=dr.ReduceMode.Direct)
         if self.displaced:

@@ -14,14 +14,13 @@ from functools import cached_property
 import drjit as dr
 import numpy as np
 
-from .backend import Backend
-from .bounds import Ball, bounding_ball
-from .clusters import SIZE, cluster_balls, spatial_order
-from .first_hit import LocalRay, Solid
-from .numbers import Dual, OutwardInterval
-from .placement import rotation_matrix
-from .scene.model import Object
-from .surfaces.outside import widened
+from ..backend import Backend
+from ..first_hit import LocalRay, Solid
+from ..numbers import Dual, OutwardInterval
+from ..scene.model import Object
+from ..scene.placement import rotation_matrix
+from ..surfaces.outside import widened
+from .bounds import SIZE, Ball, bounding_ball, cluster_balls, spatial_order
 
 ROUNDING_OF_TURNS = 2.0**-49  # of a rotation matrix's entries, at most: sine, cosine and axis, a dozen operations
 MOST_UNROLLED = 16  # objects of one family; beyond it the kernel's length costs more than reading a table

@@ -19,10 +19,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ..scene.model import Scene
 from .camera_rays import camera_rays
 from .film import TYPES, VECTORS
 from .render import Renderer
-from .scene.model import Scene
 from .wavefront import MOST_HELD, MOST_RAYS, Advance, row_bytes
 
 FEWEST = 16  # rays of the first trial

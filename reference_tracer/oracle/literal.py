@@ -13,9 +13,9 @@ from typing import Protocol
 
 import numpy as np
 
-from .camera import canvas_point, frame
-from .numbers.functions import cbrt, cos, exp, log, sin, sqrt, tan
-from .scene.model import Object, Rotation, Scene
+from ..numbers.functions import cbrt, cos, exp, log, sin, sqrt, tan
+from ..scene.model import Object, Rotation, Scene
+from ..tracer.camera import canvas_point, frame
 
 
 class Search(Protocol):
@@ -24,7 +24,7 @@ class Search(Protocol):
     def first_hit(self, o, d, inside):
         """(t, index) of each ray's first hit; index -1 where there is none."""
 
-    def light_through(self, o, d, inside, distance):
+    def transmittance(self, o, d, inside, distance):
         """The product of the transparencies crossed on the way to a light at `distance`."""
 
 
@@ -75,7 +75,7 @@ def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, depth):
         shadow_dir = (light.position - point) / distance
         cos = _dot(shadow_dir, normal)
         lit = np.flatnonzero(cos[:, 0] > 0)
-        intensity = search.light_through(point[lit], shadow_dir[lit], inside[lit], distance[lit, 0])
+        intensity = search.transmittance(point[lit], shadow_dir[lit], inside[lit], distance[lit, 0])
         illumination[lit] += cos[lit] * np.array(light.brightness) * intensity[:, None]
     visible = np.array(m.color) * illumination
 
@@ -149,7 +149,7 @@ class LiteralSearch:
             active &= np.abs(dt) > self.tracing.tolerance * np.maximum(1, np.abs(t))
         return t
 
-    def light_through(self, o, d, inside, distance):
+    def transmittance(self, o, d, inside, distance):
         transparency = np.array([obj.material.transparency for obj in self.scene.objects])
         intensity, sides = np.ones(len(d)), inside
         if not len(d):

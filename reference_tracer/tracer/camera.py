@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .scene.model import Camera
+from ..scene.model import Camera
 
 
 @dataclass(frozen=True)

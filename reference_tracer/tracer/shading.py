@@ -7,14 +7,13 @@ from dataclasses import dataclass
 import drjit as dr
 
 from .rays import Hit, Ray, Sides
-from .secondary import reflect, refract
 from .world import Material, World
 
 ROUNDING_OF_LENGTHS = 16  # units of rounding in the square of a normalised vector's length: seven operations, and spare
 
 
 @dataclass
-class Collision:
+class Interaction:
     """One ray's answer: its own colour, and the secondary rays with the weight each has in it.
 
     A weight is None where no object of the scene makes such rays.
@@ -41,7 +40,7 @@ class Collision:
         return self.hit.undecided | ~self.smooth | (self.lights_undecided > 0)
 
 
-def collide(world: World, ray: Ray, active) -> Collision:
+def interact(world: World, ray: Ray, active) -> Interaction:
     """Traces `ray` to its first hit and shades it (sections 4.1 to 4.3.4).
 
     pointColor = (visibleColor (1 - R) + R reflectionColor) (1 - T) + T refractionColor, written as a sum with the
@@ -70,19 +69,19 @@ def collide(world: World, ray: Ray, active) -> Collision:
     color = dr.select(met, material.color * illumination * local_weight, dr.select(active, background, 0))
 
     hit.undecided &= active
-    collision = Collision(hit, point, normal, color, smooth, asked, reached, unsure, *[None] * 6)
+    interaction = Interaction(hit, point, normal, color, smooth, asked, reached, unsure, *[None] * 6)
     if world.reflective or world.transparent:
-        collision.reflected = dr.normalize(reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
-        collision.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
+        interaction.reflected = dr.normalize(reflect(ray.d, normal, cos1))  # renormalised at every bounce (R4)
+        interaction.reflected_weight = dr.select(met, Float(R * (1.0 - T)), 0)
         if not world.traces["reflection"]:
-            collision.color += background * collision.reflected_weight
-            collision.reflected_weight = Float(0)
+            interaction.color += background * interaction.reflected_weight
+            interaction.reflected_weight = Float(0)
     if world.transparent:
         if world.traces["refraction"]:
-            _add_refraction(world, ray, collision, material, cos1, met)
+            _add_refraction(world, ray, interaction, material, cos1, met)
         else:
-            collision.color += background * dr.select(met, T, 0)
-    return collision
+            interaction.color += background * dr.select(met, T, 0)
+    return interaction
 
 
 @dr.syntax
@@ -102,7 +101,7 @@ def _illumination(world: World, ray: Ray, point, normal, active):
         cos = dr.dot(shadow_dir, normal)
         faces = active & (cos > 0)
         # the shadow ray starts on the side the ray came from, like the reflection ray (M3)
-        intensity, unsure = world.light_through(Ray(point, shadow_dir, ray.sides), distance, faces)
+        intensity, unsure = world.transmittance(Ray(point, shadow_dir, ray.sides), distance, faces)
         total += brightness * dr.select(intensity > 0, cos * intensity, 0)
         asked += dr.select(faces, UInt(1), 0)
         reached += dr.select(faces & (intensity > 0), UInt(1), 0)
@@ -111,15 +110,42 @@ def _illumination(world: World, ray: Ray, point, normal, active):
     return total, asked, reached, undecided
 
 
-def _add_refraction(world: World, ray: Ray, collision: Collision, material: Material, cos1, met):
+def _add_refraction(world: World, ray: Ray, interaction: Interaction, material: Material, cos1, met):
     """Section 4.3.3, pairwise with air: which medium the ray comes from follows from its side (decision R1)."""
     T, n = material.transparency, material.refractive_index
-    leaving = ray.sides.test(collision.hit.index)
+    leaving = ray.sides.test(interaction.hit.index)
     n1, n2 = dr.select(leaving, n, 1), dr.select(leaving, 1, n)
-    refraction = refract(ray.d, collision.normal, cos1, n1, n2, world.scene.tracing.refraction == "as_printed")
+    refraction = refract(ray.d, interaction.normal, cos1, n1, n2, world.scene.tracing.refraction == "as_printed")
     # total internal reflection keeps the weight T; the direction it shares with the reflection is traced once (R3)
-    collision.total_reflection = met & refraction.total
-    collision.reflected_weight += dr.select(collision.total_reflection, T, 0)
-    collision.refracted_weight = dr.select(met & ~refraction.total, T, 0)
-    collision.refracted = dr.normalize(refraction.direction)
-    collision.refracted_sides = ray.sides.flipped(dr.select(met, collision.hit.index, 0))
+    interaction.total_reflection = met & refraction.total
+    interaction.reflected_weight += dr.select(interaction.total_reflection, T, 0)
+    interaction.refracted_weight = dr.select(met & ~refraction.total, T, 0)
+    interaction.refracted = dr.normalize(refraction.direction)
+    interaction.refracted_sides = ray.sides.flipped(dr.select(met, interaction.hit.index, 0))
+
+
+@dataclass
+class Refraction:
+    """A refraction ray's direction, and where total internal reflection takes its place."""
+
+    direction: object  # Vector
+    total: object  # Bool
+
+
+def reflect(d, normal, cos1):
+    """r_dir - 2 normal (r_dir . normal), with cos1 = -r_dir . normal (section 4.3.2)."""
+    return d + normal * (2 * cos1)
+
+
+def refract(d, normal, cos1, n1, n2, as_printed: bool = False) -> Refraction:
+    """The law of refraction from a medium of index n1 into one of n2 (section 4.3.3).
+
+    `normal` is turned against the unit direction `d`, cos1 = -d . normal >= 0. Total internal reflection happens
+    where sin1 > n2/n1; at equality the ray refracts (decision R2). `as_printed` takes sin2 = sin1 n2/n1, the misprint
+    of section 4.3.3.2 (decision E1), instead of Snell's sin2 = sin1 n1/n2.
+    """
+    sin1 = dr.sqrt(dr.maximum(1 - cos1 * cos1, 0))
+    total = sin1 > n2 / n1
+    sin2 = sin1 * (n2 / n1 if as_printed else n1 / n2)
+    cos2 = dr.sqrt(1 - sin2 * sin2) if as_printed else dr.sqrt(dr.maximum(1 - sin2 * sin2, 0))
+    return Refraction((d + normal * cos1) * (n1 / n2) - normal * cos2, total)

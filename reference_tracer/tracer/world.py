@@ -8,13 +8,13 @@ from functools import cached_property
 
 import drjit as dr
 
-from . import first_hit
-from .backend import Backend
+from .. import first_hit
+from ..backend import Backend
+from ..scene.model import EFFECTS, Scene
+from ..scene.placement import is_inside
 from .camera import canvas_point, frame
 from .families import Family, Member
-from .placement import is_inside
 from .rays import Hit, Ray, Sides
-from .scene.model import EFFECTS, Scene
 from .ties import Margin, first_of_tied
 
 
@@ -29,7 +29,7 @@ class Material:
 
 
 class World:
-    """A scene bound to array types and to a first-hit method; `nearest`, `normal`, `light_through` are its queries."""
+    """A scene bound to array types and to a first-hit method; `nearest`, `normal`, `transmittance` are its queries."""
 
     def __init__(self, scene: Scene, method: str, arrays: Backend):
         self.scene, self.arrays, self.method = scene, arrays, method
@@ -112,7 +112,7 @@ class World:
 
     @cached_property
     def _brightest(self) -> float:
-        """No ray returns more in any channel: weights of a collision never add up to more than 1."""
+        """No ray returns more in any channel: weights of a interaction never add up to more than 1."""
         light = [sum(light.brightness[k] for light in self.scene.lights) for k in range(3)]
         return max(max(max(self.scene.background[k], *(o.material.color[k] * light[k] for o in self.scene.objects))
                        for k in range(3)), 1e-300)
@@ -141,7 +141,7 @@ class World:
     def least_weight(self, generation: int):
         """Rays of `generation` at or below this weight in their pixel are not traced (`cutoff` of the scene).
 
-        A ray left out in generation g changes its pixel by at most cutoff / 2^g. Every collision has two secondary rays
+        A ray left out in generation g changes its pixel by at most cutoff / 2^g. Every interaction has two secondary rays
         at most, so that over all rays left out 1 / 2^g adds up to no more than 1 (Kraft's inequality).
         """
         return self._least_weights[generation]
@@ -228,7 +228,7 @@ class World:
         gradient /= size
         return dr.select(size >= dr.smallest(self.arrays.Float), gradient / dr.norm(gradient), dr.nan)
 
-    def light_through(self, ray: Ray, distance, active):
+    def transmittance(self, ray: Ray, distance, active):
         """The part of a light's intensity that reaches the ray's origin from `distance` away (section 4.3.1, L3).
 
         Every crossing multiplies by the transparency of the object crossed. Returns (Float, Bool undecided).

@@ -7,7 +7,7 @@ and the newest wave is traced first, so that memory stays bounded at any picture
 What a kernel needs of a wave's parents it reads itself, and it is recorded once and replayed for later waves: between
 two generations only the rays that go on are listed.
 
-At most one wave of each generation waits with its collisions for its secondary rays: those of all generations together
+At most one wave of each generation waits with its interactions for its secondary rays: those of all generations together
 take no more than `MOST_HELD`, since deep waves are split into shorter ones, but for `LEAST_PART` rows a generation.
 """
 
@@ -20,11 +20,11 @@ from typing import Protocol
 import drjit as dr
 
 from .rays import BITS, Hit, Ray, Sides
-from .shading import Collision, collide
+from .shading import Interaction, interact
 from .world import World
 
 MOST_RAYS = 1 << 20  # about 200 MB of intermediate results
-MOST_HELD = 1 << 29  # bytes of collisions that wait for their secondary rays
+MOST_HELD = 1 << 29  # bytes of interactions that wait for their secondary rays
 LEAST_PART = 1 << 13  # rays of a wave, below which a kernel's launch costs more than its work
 REFRACTED = 1 << 31  # marks a refraction ray in a queue
 NO_RAY = (1 << 32) - 1  # pads a queue
@@ -120,7 +120,7 @@ class Traced:
 
 @dataclass
 class Parents:
-    """What secondary rays need of the collisions that they leave from, one entry a collision."""
+    """What secondary rays need of the interactions that they leave from, one entry a interaction."""
 
     point: object  # Vector
     slot: object  # UInt
@@ -132,11 +132,11 @@ class Parents:
     refracted_sides: Sides | None
 
     @staticmethod
-    def of(wave: Wave, collision: Collision) -> Parents:
+    def of(wave: Wave, interaction: Interaction) -> Parents:
         weighted = lambda weight: None if weight is None else weight * wave.weight
-        return Parents(collision.point, wave.slot, wave.ray.sides, collision.reflected,
-                       weighted(collision.reflected_weight), collision.refracted, weighted(collision.refracted_weight),
-                       collision.refracted_sides)
+        return Parents(interaction.point, wave.slot, wave.ray.sides, interaction.reflected,
+                       weighted(interaction.reflected_weight), interaction.refracted, weighted(interaction.refracted_weight),
+                       interaction.refracted_sides)
 
     @property
     def weights(self) -> list:
@@ -146,7 +146,7 @@ class Parents:
 
 
 def row_bytes(objects: int) -> int:
-    """The bytes that a collision takes in `Parents`, in double precision, in a scene of that many objects."""
+    """The bytes that a interaction takes in `Parents`, in double precision, in a scene of that many objects."""
     return 92 + 16 * -(-objects // BITS)
 
 
@@ -193,7 +193,7 @@ class Wavefront:
     replace the rays of every wave before they are traced.
     """
 
-    def __init__(self, world: World, observe: Callable[[Wave, Collision], None] | None = None,
+    def __init__(self, world: World, observe: Callable[[Wave, Interaction], None] | None = None,
                  disturb: Callable[[Wave], Ray] | None = None):
         self.world, self.observe, self.disturb = world, observe, disturb
         self.rays = 0
@@ -207,7 +207,7 @@ class Wavefront:
         """
         film = Film.blank(self.world.arrays, slots)
         met, waves, done = None, [(0, source, count, 1.0)], 0.0
-        held = [0] * (self.world.scene.tracing.max_depth + 1)  # collisions of each generation that are waited for
+        held = [0] * (self.world.scene.tracing.max_depth + 1)  # interactions of each generation that are waited for
         while waves:
             generation, source, count, share = waves.pop()
             self.rays += count
@@ -252,20 +252,20 @@ class Wavefront:
         """One wave: its kernel. `variables` are all arrays that a recording reads besides its other inputs."""
         world, watched = self.world, wave is not None
         wave = wave or source.wave(world, -1)
-        collision = collide(world, wave.ray, active=wave.weight > 0)
-        finite = film.add(world, collision.color, wave.weight, wave.slot)
-        film.note(wave, collision.undecided, finite, generation)
-        parents = Parents.of(wave, collision)
+        interaction = interact(world, wave.ray, active=wave.weight > 0)
+        finite = film.add(world, interaction.color, wave.weight, wave.slot)
+        film.note(wave, interaction.undecided, finite, generation)
+        parents = Parents.of(wave, interaction)
         if last:  # beyond the last generation lies the background (decision D1)
             if any(world.scene.background):
                 for weight, _ in parents.weights:
                     film.add(world, world.arrays.Vector(*world.background), weight, wave.slot)
             parents = None
-        met = Primary.of(world, collision.hit, collision.point, collision.normal) if primary else None
+        met = Primary.of(world, interaction.hit, interaction.point, interaction.normal) if primary else None
         if watched:
-            dr.eval(film, collision)
+            dr.eval(film, interaction)
             if self.observe:
-                self.observe(wave, collision)
+                self.observe(wave, interaction)
         dr.eval(film, parents if parents and parents.weights else None, met)
         return (parents if parents and parents.weights else None), film, met
 
@@ -307,7 +307,7 @@ class Wavefront:
 
 
 def trace(world: World, wave: Wave, slots: int,
-          observe: Callable[[Wave, Collision], None] | None = None,
+          observe: Callable[[Wave, Interaction], None] | None = None,
           disturb: Callable[[Wave], Ray] | None = None) -> tuple[Film, Primary]:
     """Traces `wave`, of at most MOST_RAYS rays, and all its descendants; see `Wavefront`."""
     return Wavefront(world, observe, disturb).trace(Traced(wave.ray, wave.weight, wave.slot), len(wave), slots)

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 import drjit as dr
 import numpy as np
 
-from .adaptive import differing
-from .backend import backend, use_threads
+from ..backend import backend, use_threads
+from ..scene.model import Scene
 from .camera_rays import CameraRays, camera_rays
 from .film import HIT, MISS, PLANES, UNDECIDED, Planes
 from .rays import Ray
-from .scene.model import Scene
-from .shading import Collision
+from .shading import Interaction
 from .wavefront import MOST_RAYS, Advance, Primary, Wave, Wavefront
 from .world import World
+
 
 class Watch:
     """Looks into a render: what it does by default is nothing. Slots of a wave count from the band's first pixel."""
@@ -29,7 +29,7 @@ class Watch:
         """The rays to trace in place of the wave's."""
         return wave.ray
 
-    def observe(self, wave: Wave, collision: Collision) -> None:
+    def observe(self, wave: Wave, interaction: Interaction) -> None:
         """What became of a wave."""
 
     def end(self) -> None:
@@ -161,3 +161,18 @@ class Renderer:
 def _within(progress: Callable[[float], None] | None, start: float, stop: float) -> Callable[[Advance], None] | None:
     """Tells `progress` how far the picture is while its part from `start` to `stop` is traced."""
     return progress and (lambda advance: progress(start + (stop - start) * advance.share))
+
+
+def differing(color: np.ndarray, index: np.ndarray, threshold: float) -> np.ndarray:
+    """Section 5, no more than needed: pixels that differ from one of their eight neighbours, in the object seen or in a
+    channel by more than `threshold`. (h, w) bool, from the colours (h, w, 3) and objects (h, w) seen through the pixels'
+    centres."""
+    height, width = index.shape
+    found = np.zeros((height, width), bool)
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):  # the other four are the same pairs seen from the other side
+        here = slice(0, height - down), slice(max(0, -right), width - max(0, right))
+        there = slice(down, height), slice(max(0, right), width - max(0, -right))
+        apart = (index[here] != index[there]) | ~(np.abs(color[here] - color[there]).max(axis=-1) <= threshold)
+        found[here] |= apart
+        found[there] |= apart
+    return found

@@ -1,0 +1,1 @@
+"""What the fast tracer is held against: the same model, computed another way."""
