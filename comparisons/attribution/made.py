@@ -41,7 +41,8 @@ def make_all(tasks: Sequence[Task], folder: Path, pool: Pool, limit: float = SEC
     """Every task, finished ones from `folder`; `limit` is in seconds for one. Nothing is raised for a failure."""
     found = pools.complete([pools.Task(task.key, f"attribution: {task.scene.name}, {task.fault or task.b}",
                                        "comparisons.attribution.worker:answer", {
-        "scene": task.scene.model_dump_json(by_alias=True), "a": task.a, "b": task.b, "fault": task.fault},
+        "scene": task.scene.model_dump_json(by_alias=True), "a": task.a, "b": task.b, "fault": task.fault,
+        "results": str(folder)},
         limit, "attribution") for task in tasks], store.Store(folder, FOLDER), pool, Made.model_validate_json, _settled)
     return {task: found[task.key] for task in tasks}
 

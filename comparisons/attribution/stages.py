@@ -96,10 +96,16 @@ def shading(asked: Asked, scene: Scene) -> Iterator[Finding]:
         pair = asked.pair(one)
         apart |= pair.color_fails()
         yield Finding("white opaque objects, each light in a channel of its own: the light that arrives", pair,
-                      pair.both_lit() & ~pair.one_dark(), pair.color_error(), "colour")
+                      _missing_lights(pair) | pair.both_lit() & ~pair.one_dark(), pair.color_error(), "colour")
     pair = asked.pair(derived.local(scene))
     yield Finding("opaque objects in their colours under all lights", pair, pair.color_fails() & ~apart,
                   pair.color_error(), "colour")
+
+
+def _missing_lights(pair: Pair) -> np.ndarray:
+    """Pixels that differ in a channel that one side alone leaves dark everywhere: no shadow is as large."""
+    dark = [(p.color <= pair.bound.color[..., None]).all(axis=(0, 1)) for p in (pair.a, pair.b)]
+    return ((np.abs(pair.a.color - pair.b.color) > pair.bound.color[..., None]) & (dark[0] != dark[1])).any(-1)
 
 
 def shadow(asked: Asked, scene: Scene) -> Iterator[Finding]:

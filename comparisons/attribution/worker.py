@@ -5,14 +5,13 @@ from __future__ import annotations
 
 def answer(request: dict) -> dict:
     """In a worker: the attribution of two renderers on a scene, and whether their comparison differs."""
-    import numpy as np
+    from pathlib import Path
 
     from reference_tracer.scene.load import parse_scene
 
-    from ..verdicts.judge import judge
-    from ..verdicts.tolerances import tolerance_of
-    from ..verdicts.metrics import geometry, picture
-    from ..results import Run
+    from ..execution.store import Store
+    from ..verdicts import conditioning
+    from ..verdicts.measure import verdict_on
     from . import side
     from .attribute import attribute
     from .records import Judged
@@ -22,12 +21,7 @@ def answer(request: dict) -> dict:
     b = side.of_fault(request["fault"]) if request["fault"] is not None else side.of_renderer(request["b"])
     found, reason = None, ""
     if request["fault"] is not None:
-        pictures = [side_(scene) for side_ in (a, b)]
-        planes = [{**vars(p), "camera": np.array(scene.camera.position)} for p in pictures]
-        measured = {**geometry(*planes), **picture(*planes)}
-        facts = {k: v for k, v in pictures[0].metadata.items() if isinstance(v, (bool, int, float, str))}
-        run = Run(key="", scene=scene.name, renderer=request["a"], title=a.title, state="ok", facts=facts, command="")
-        verdict, reason, _ = judge(measured, tolerance_of(run))
+        verdict, reason, _ = verdict_on(scene, request["a"], a(scene), b(scene), Store(Path(request["results"]), conditioning.FOLDER))
         found = verdict == "differs"
     judged = Judged(found=found, reason=reason, attribution=attribute(scene, a, b))
     return {"state": "ok", "judged": judged.model_dump(mode="json")}
