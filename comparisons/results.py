@@ -63,6 +63,9 @@ class Run(Record):
     timing: Timing = Timing()
     facts: dict[str, float | int | str | bool | None] = Field(
         {}, description="what else is worth telling: rays, undecided pixels, triangles, ...")
+    errors: list[float | None] = Field([], description="for every object how far its surface lies from where it should, at "
+                                                        "most; None: not measurable; no list: every object is exact")
+    tilts: list[float] = Field([], description="for every object how far its facets turn from the surface, in radians")
     command: str = Field(description="the command that makes this picture again")
 
 

@@ -22,6 +22,7 @@ from .results import RUNS, Run, Timing
 from .verdicts.metrics import Planes
 
 TIMINGS = ("build", "first", "warm")
+OF_OBJECTS = ("errors", "tilts")  # lists, a number for every object
 LARGEST_FILE = 1 << 30, 256  # bytes a renderer may write into one file, and as many more a pixel
 
 
@@ -84,7 +85,8 @@ class RunStore(store.Store):
         try:
             return Run(**about, state=state, message=message, planes=self.relative(task.key) if state == "ok" else None,
                        timing=Timing(**{name: facts.get(name) for name in TIMINGS}),
-                       facts={k: v for k, v in facts.items() if k not in TIMINGS})
+                       errors=facts.get("errors", []), tilts=facts.get("tilts", []),
+                       facts={k: v for k, v in facts.items() if k not in (*TIMINGS, *OF_OBJECTS)})
         except ValidationError:
             return Run(**about, state="malformed", message="told facts that are no numbers or texts")
 
@@ -99,7 +101,8 @@ def make(arguments: dict) -> dict:
     most = LARGEST_FILE[0] + LARGEST_FILE[1] * scene.camera.width * scene.camera.height
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
     picture = renderers.render(arguments["renderer"], scene, arguments["settings"])
-    facts = {k: v for k, v in picture.metadata.items() if isinstance(v, (int, float, str, bool)) or v is None}
+    facts = {k: v for k, v in picture.metadata.items()
+             if isinstance(v, (int, float, str, bool)) or v is None or k in OF_OBJECTS}
     with store.atomically(Path(arguments["planes"])) as part:
         save_npz(picture, part)
     return {"state": "ok", "facts": facts}

@@ -20,9 +20,9 @@ from .execution.store import require_folder
 from .renderers import RENDERERS
 from .results import COMMAND, FILE, Comparison, Results, Run, SceneRecord, joined
 from .runs import Request, RunStore
-from .verdicts.judge import excuses, judge, literal
+from .verdicts.judge import judge, literal
 from .verdicts.pairs import Measurements, Pair
-from .verdicts.tolerances import largest_difference, tolerance_of, unmeasured
+from .verdicts.tolerances import tolerance_of, unmeasured
 
 TRUTH = "exact"
 # on demand: mitsuba-sdfgrid and povray-isosurface take minutes for some scenes; mitsuba-refined has the surfaces from f
@@ -120,8 +120,7 @@ def _compared(scene: Scene, truth: Run, test: Run, measurements: Measurements) -
     if test.renderer == "paper":
         verdict, reason, gates = literal(measured, scene.tracing.step_size)
     else:
-        limit = largest_difference(test)
-        verdict, reason, gates = judge(measured, tolerance_of(test), excuses(measured, limit) if limit else ())
+        verdict, reason, gates = judge(measured, tolerance_of(test), tolerance_of(test, exact=True))
         if verdict == "agrees" and (why := unmeasured(test)):
             verdict, reason = "not compared", why
     return Comparison(**about, verdict=verdict, reason=reason, gates=gates, metrics=measured, worst=found.worst)

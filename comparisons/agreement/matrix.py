@@ -10,7 +10,7 @@ from reference_tracer.scene.model import Scene
 from .. import renderers
 from ..results import Comparison, Run
 from ..runs import Request
-from ..verdicts.judge import judge
+from ..verdicts.judge import judge, literal
 from ..verdicts.majority import Odd, odd_ones, stages_of
 from ..verdicts.pairs import Measurements
 from ..verdicts.pairs import Pair as Pictures
@@ -47,8 +47,12 @@ def matrix(scenes: Sequence[Scene], names: dict[str, tuple[str, ...]], runs: dic
 def _pair(pictures: Pictures, measurements: Measurements, natural: set[tuple[str, str]]) -> Pair:
     first, second, found = pictures.first, pictures.second, measurements.of(pictures)
     tolerance, m = between(first, second), found.metrics
-    verdict, reason = judge(m, tolerance)[:2] if found.state == "ok" else (
-        "differs", f"measuring {found.state}: {found.message}")
+    if found.state != "ok":
+        verdict, reason = "differs", f"measuring {found.state}: {found.message}"
+    elif pictures.literal:
+        verdict, reason = literal(m, pictures.scene.tracing.step_size)[:2]
+    else:
+        verdict, reason = judge(m, tolerance, between(first, second, exact=True))[:2]
     return Pair(scene=pictures.scene.name, first=first.renderer, second=second.renderer, agrees=verdict == "agrees",
                 expected=verdict != "agrees" and any((pictures.scene.name, run.renderer) in natural
                                                      for run in (first, second)),

@@ -1,4 +1,4 @@
-"""Every comparison of a suite that differs is told where it starts to."""
+"""Every comparison of a suite that differs, as a fault or as its nature, is told where it starts to."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ LARGEST = 320  # pixels of the longer side are enough: a stage that fails does s
 
 def explained(comparisons: Sequence[Comparison], scenes: Sequence[Scene], runs: dict[str, Run], folder: Path,
               pool: Pool) -> list[Comparison]:
-    """The comparisons, those with the verdict "differs" with their attribution; None where it could not be made."""
+    """The comparisons, those that differ, or are expected to, with their attribution; None where it could not be made."""
     by_name = {scene.name: scene for scene in scenes}
     tasks = {c.id: Task(by_name[c.scene], runs[c.reference].renderer, runs[c.test].renderer)
-             for c in comparisons if c.verdict == "differs"}
+             for c in comparisons if c.verdict in ("differs", "expected")}
     if not tasks:
         return list(comparisons)
     made = make_all(list(tasks.values()), folder, pool)

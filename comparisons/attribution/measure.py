@@ -20,6 +20,8 @@ from ..execution import store
 from ..execution.pool import Pool, Progress
 from ..renderers import RENDERERS
 from ..suites import reader
+from ..verdicts import conditioning
+from ..verdicts.measure import verdict_on
 from . import cases, rays
 from .cases import FAULTS, Fault
 from .document import (
@@ -199,7 +201,8 @@ def make_all(tasks: Sequence[Task], folder: Path, pool: Pool, limit: float = SEC
     """Every task, finished ones from `folder`; `limit` is in seconds for one. Nothing is raised for a failure."""
     found = pools.complete([pools.Task(task.key, f"attribution: {task.scene.name}, {task.fault or task.b}",
                                        f"{__name__}:answer", {
-        "scene": task.scene.model_dump_json(by_alias=True), "a": task.a, "b": task.b, "fault": task.fault},
+        "scene": task.scene.model_dump_json(by_alias=True), "a": task.a, "b": task.b, "fault": task.fault,
+        "results": str(folder)},
         limit, "attribution") for task in tasks], store.Store(folder, FOLDER), pool, Answer.model_validate_json,
         reader(Answer, "attribution"))
     return {task: found[task.key] for task in tasks}
@@ -210,24 +213,13 @@ def answer(request: dict) -> dict:
     scene = parse_scene(request["scene"].encode(), "scene")
     a = of_renderer(request["a"])
     b = of_renderer(request["b"]) if request["fault"] is None else of_fault(request["fault"])
-    found, reason = (None, "") if request["fault"] is None else _compared(scene, a, b, request["a"])
+    found, reason = None, ""
+    if request["fault"] is not None:
+        kept = store.Store(Path(request["results"]), conditioning.FOLDER)
+        verdict, reason, _ = verdict_on(scene, request["a"], a(scene), b(scene), kept)
+        found = verdict == "differs"
     judged = Judged(found=found, reason=reason, attribution=attribute(scene, a, b))
     return {"state": "ok", "judged": judged.model_dump(mode="json")}
-
-
-def _compared(scene: Scene, a: Tracer, b: Tracer, renderer: str) -> tuple[bool, str]:
-    """Whether a comparison of the pictures differs, `a` made by `renderer`, and its reason."""
-    from ..results import Run
-    from ..verdicts.judge import judge
-    from ..verdicts.metrics import geometry, picture
-    from ..verdicts.tolerances import tolerance_of
-
-    pictures = a(scene), b(scene)
-    planes = [{**vars(p), "camera": np.array(scene.camera.position)} for p in pictures]
-    facts = {k: v for k, v in pictures[0].metadata.items() if isinstance(v, (bool, int, float, str))}
-    run = Run(key="", scene=scene.name, renderer=renderer, title=a.title, state="ok", facts=facts, command="")
-    verdict, reason, _ = judge({**geometry(*planes), **picture(*planes)}, tolerance_of(run))
-    return verdict == "differs", reason
 
 
 def wrong_on_purpose(folder: Path, *, jobs: int = 2, progress: Progress | None = None) -> Table:

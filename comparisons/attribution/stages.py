@@ -166,9 +166,15 @@ def shading(pictures: Pictures, scene: Scene) -> Iterator[Finding]:
         pair = pictures.pair(one)
         apart |= pair.color_fails()
         yield _colors("white opaque objects, each light in a channel of its own: the light that arrives", pair,
-                      pair.both_lit() & ~pair.one_dark())
+                      _missing_lights(pair) | pair.both_lit() & ~pair.one_dark())
     pair = pictures.pair(derived.local(scene))
     yield _colors("opaque objects in their colours under all lights", pair, pair.color_fails() & ~apart)
+
+
+def _missing_lights(pair: Pair) -> np.ndarray:
+    """Pixels that differ in a channel that one side alone leaves dark everywhere: no shadow is as large."""
+    dark = [(p.color <= pair.bound.color[..., None]).all(axis=(0, 1)) for p in (pair.a, pair.b)]
+    return ((np.abs(pair.a.color - pair.b.color) > pair.bound.color[..., None]) & (dark[0] != dark[1])).any(-1)
 
 
 def shadow(pictures: Pictures, scene: Scene) -> Iterator[Finding]:

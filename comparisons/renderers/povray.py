@@ -40,7 +40,7 @@ def render(scene: Scene, *, shapes: str = "native", accuracy: float = 1e-8, plan
     depth = np.zeros((camera.height, camera.width), np.uint8)
     metadata = {"scene": scene.name, "scene_hash": scene.hash, "renderer": "povray", "shapes": shapes,
                 "accuracy": accuracy, "isosurfaces": len(converted.containers), "brightest": converted.brightest,
-                "precision": _precision(converted), "not proven": converted.remark,
+                "precision": _precision(converted), "not proven": converted.remark, "tells_depth": False,
                 "build": build, "warm": None, **facts}
     return Picture(color=picture, depth=depth, status=status, scene=scene, metadata=metadata, **geometry)
 

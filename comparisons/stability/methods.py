@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import drjit as dr
 
 from reference_tracer.backend import Backend
-from reference_tracer.first_hit import Intersection, FirstHit, LocalRay, Solid
+from reference_tracer.first_hit import FirstHit, Intersection, LocalRay, Solid
 from reference_tracer.first_hit.descartes import Descartes
 from reference_tracer.first_hit.exact import cheapest_exact
 from reference_tracer.first_hit.interval import IntervalMethod

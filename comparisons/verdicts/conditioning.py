@@ -1,58 +1,143 @@
-"""How pixels hang on rounding: which of them two faultless renderers may show differently, and which are near no edge.
+"""How far a renderer's picture may be from the reference's, pixel by pixel.
 
-What rounding may change is measured by reference_tracer/tracer/sensitivity.py, at the price of many pictures. So it is only
-measured where a pixel is beyond its limit, and kept by content.
+A pixel is held to what follows from the objects on its path: rounding to the renderer's precision, and the distance of its
+meshes or grids from the surfaces they stand for. Both are measured on the reference itself, by perturbation
+(reference_tracer/tracer/sensitivity.py), at the price of many pictures, and kept by content.
 """
 
 from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
 
 import numpy as np
 
 from reference_tracer.scene.model import Scene
 from reference_tracer.tracer.render import UNDECIDED
-from reference_tracer.tracer.sensitivity import OBJECT, perturbed, sensitivity
+from reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNIT, Displaced, perturbed, response
 
 from ..execution import store
 from ..execution.store import Store
-from .metrics import Planes, interior, pixel_error, uniform_around
+from .metrics import NEIGHBOURS, Planes, interior, largest_around, uniform_around
 
-FOLDER = "sensitivity"
-PROBES = 12  # a jump that rounding decides by halves escapes n probes with probability 2^-n
-NEAR_EDGES = 4.0  # a renderer with tolerances may miss one object more beside an edge: its colour jumps farther than ours
-TIE = 1e-12  # relative difference of distances that fp64 cannot tell apart
+FOLDER = "limits"
+UP = 1 + 2.0**-20  # what is kept in single precision is rounded up
 
 
-def excused(scene: Scene, truth: Planes, test: Planes, limit: float, precision: int,
-            kept: Store) -> dict[str, float | int | None]:
-    """The largest error of colour outside of excused pixels, and their number.
+@dataclass(frozen=True)
+class Accuracy:
+    """What a renderer can do: the bits of its numbers, the errors of its surfaces, how finely it writes its planes."""
 
-    Undecided pixels of the truth do not count. A pixel beyond `limit` is excused if rounding to `precision` bits may
-    move its colour as far, or if its ray meets two objects at once, an edge: then rounding decides which of them is hit
-    (decision M4).
-    """
-    error = np.nan_to_num(pixel_error(truth["color"], test["color"]), nan=np.inf)
-    decided = truth["status"] != UNDECIDED
-    beyond = decided & ~(error <= limit)
-    both = (truth["index"] >= 0) & (test["index"] >= 0) & (truth["index"] != test["index"])
-    excuses = np.zeros_like(beyond)
-    excuses[both] = np.abs(test["t"][both] - truth["t"][both]) <= TIE * truth["t"][both]
-    if (beyond & ~excuses).any():
-        excuses |= error <= bound(scene, precision, kept)
-    excuses &= beyond
-    counted = error[decided & ~excuses]
-    return {"undecided pixels": int((~decided).sum()), "excused pixels": int(excuses.sum()),
-            "color max not excused": float(counted.max()) if counted.size else None}
+    precision: int
+    errors: tuple[float, ...] = ()  # a number for every object; none: all are exact
+    tilts: tuple[float, ...] = ()
+    color: float = 0.0  # absolute
+    t: float = 0.0  # relative
+    normal: float = 0.0
+
+    @property
+    def displaced(self) -> Displaced | None:
+        return Displaced(self.errors, self.tilts) if any(self.errors) else None
 
 
-def bound(scene: Scene, precision: int, kept: Store, method: str = "exact") -> np.ndarray:
-    """(h, w): how far rounding may move each pixel's colour."""
-    key = store.key(scene.hash, method, precision, PROBES, made_by=(__name__,))
+@dataclass(frozen=True)
+class Limits:
+    """Planes (h, w). Within `color`, `t` and `normal` a pixel agrees; within the others it is excused where `risk` says
+    that a ray of it or of a neighbour may meet something else."""
+
+    color: np.ndarray
+    t: np.ndarray
+    normal: np.ndarray
+    color_jump: np.ndarray
+    t_jump: np.ndarray
+    normal_jump: np.ndarray
+    risk: np.ndarray  # uint8, of the pixel itself
+    seen: np.ndarray  # uint64, of the pixel and its neighbours
+    touched: np.ndarray  # bool
+    decided: np.ndarray  # bool
+
+    def __add__(self, other: Limits) -> Limits:
+        """Of two renderers against each other: each may be as far from the truth as its own limits say."""
+        return Limits(*(a + b for a, b in zip(_planes(self)[:6], _planes(other)[:6])), self.risk | other.risk,
+                      self.seen | other.seen, self.touched | other.touched, self.decided & other.decided)
+
+
+def _planes(limits: Limits) -> list[np.ndarray]:
+    return [getattr(limits, field.name) for field in fields(limits)]
+
+
+def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact") -> Limits:
+    """The limits of a renderer of `accuracy` on `scene`, against the reference's `method`."""
+    key = store.key(scene.hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
     if (found := kept.arrays(key)) is not None:
-        return found["bound"]
-    measured = sensitivity(scene, method, precision, PROBES)
-    found = np.where(measured.risk & OBJECT, NEAR_EDGES, 1.0) * measured.bound
-    store.save(kept.file(key), bound=found)
+        return Limits(**{name: found[name] for name in Limits.__annotations__})
+    made = _measured(scene, accuracy, method)
+    planes = {name: plane.astype(np.float32) * np.float32(UP) if plane.dtype == float else plane
+              for name, plane in vars(made).items()}
+    store.save(kept.file(key), **planes)
     kept.keep(key, {}, arrays=True)
+    return Limits(**planes)
+
+
+def _measured(scene: Scene, accuracy: Accuracy, method: str) -> Limits:
+    found = response(scene, method, accuracy.precision, displaced=accuracy.displaced)
+    picture, rounding = found.picture, FLOOR_UNITS * UNIT[accuracy.precision]
+    t = np.where(np.isfinite(picture.t), picture.t, 0)
+    floors = {"color": accuracy.color + found.grazing + rounding * (1 + np.abs(picture.color).max(axis=-1)),
+              "t": accuracy.t * t + rounding * np.maximum(1, t), "normal": accuracy.normal + rounding + 0 * t}
+    within, jumps = ({name: SAFETY * largest_around(moved[name]) + floors[name] for name in floors}
+                     for moved in (found.smooth, found.jump))
+    return Limits(**within, **{f"{name}_jump": limit for name, limit in jumps.items()}, risk=found.risk,
+                  seen=np.bitwise_or.reduce([*_around(found.seen)]), touched=found.touched,
+                  decided=picture.status != UNDECIDED)
+
+
+def _around(plane: np.ndarray):
+    padded, (h, w) = np.pad(plane, 1, mode="edge"), plane.shape
+    return (padded[1 + i:1 + i + h, 1 + j:1 + j + w] for i, j in NEIGHBOURS)
+
+
+def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dict[str, float | int | None]:
+    """How many pixels differ, and in which plane first, how many are excused, and how many could be at most.
+
+    A pixel differs if any of its planes is beyond its limit, unless rounding, or the errors of surfaces, explain it: an
+    edge runs through the pixel or beside it, and what is shown is what the reference itself shows when it is perturbed.
+    """
+    excusable = largest_around(limits.risk) > 0
+    met = (a["index"] == b["index"]) & (a["index"] >= 0)
+    with np.errstate(invalid="ignore"):
+        off = {"color": np.abs(a["color"] - b["color"]).max(-1), "t": np.where(met, np.abs(a["t"] - b["t"]), 0),
+               "normal": np.where(met, np.linalg.norm(a["normal"] - b["normal"], axis=-1), 0),
+               "position": np.where(met, np.linalg.norm(a["position"] - b["position"], axis=-1), 0)}
+    size = np.where(met, np.nan_to_num(np.abs(a["position"]).max(-1)), 0)
+    room = {name: (getattr(limits, name), getattr(limits, f"{name}_jump")) for name in ("color", "t", "normal")}
+    # o + t d is rounded once more
+    room["position"] = tuple(limit * (1 + size) for limit in room["t"])
+    bits = np.uint64(1) << ((b["index"] + 1) % 64).astype(np.uint64)
+    other = np.uint64(1) << ((a["index"] + 1) % 64).astype(np.uint64)
+    kinds = {"object": (a["index"] == b["index"], (bits & limits.seen > 0) & (other & limits.seen > 0)),
+             "distance": (off["t"] <= room["t"][0], off["t"] <= room["t"][1]),
+             "position": (off["position"] <= room["position"][0], off["position"] <= room["position"][1]),
+             "normal": (off["normal"] <= room["normal"][0], off["normal"] <= room["normal"][1]),
+             "generation": (a["depth"] == b["depth"] if tells_depth else np.ones_like(met), np.ones_like(met)),
+             "color": (off["color"] <= room["color"][0], off["color"] <= room["color"][1])}
+    within = np.logical_and.reduce([w for w, _ in kinds.values()])
+    explained = excusable & np.logical_and.reduce([w | e for w, e in kinds.values()])
+    wrong, left = limits.decided & ~within & ~explained, np.ones_like(within)
+    found: dict[str, float | int | None] = {
+        "differing pixels": int(wrong.sum()), "excused pixels": int((limits.decided & ~within & explained).sum()),
+        "undecided pixels": int((~limits.decided).sum()), "pixels at risk": int((limits.risk > 0).sum())}
+    for kind, (w, e) in kinds.items():
+        here = wrong & left & ~(w | (e & excusable))
+        left &= ~here
+        if here.any():
+            found[f"differing in {kind}"] = int(here.sum())
+    exact = ~limits.touched
+    found["displaced pixels"] = int(limits.touched.sum())
+    found["exact pixels"], steady = int(exact.sum()), exact & met & ~excusable
+    found["exact hit pixels"] = int(steady.sum())
+    with np.errstate(invalid="ignore"):
+        found["color p99, exact shapes"] = float(np.quantile(off["color"][exact], 0.99)) if exact.any() else None
+        found["depth p99, exact shapes"] = float(np.quantile((off["t"] / a["t"])[steady], 0.99)) if steady.any() else None
     return found
 
 

@@ -8,10 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from reference_tracer.scene.load import parse_scene
+from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.render import Picture
 
 from ..execution.store import Store
 from ..planes import read_planes
+from ..results import Gate, Run, Verdict
 from . import conditioning, metrics, oracle
+from .judge import judge
+from .tolerances import accuracy_of, tolerance_of
 
 
 def answer(arguments: dict) -> dict:
@@ -27,8 +32,10 @@ def answer(arguments: dict) -> dict:
         away = error[conditioning.smooth(scene, a)]
         found["smooth color p99"] = float(np.quantile(away, 0.99)) if away.size else None
     kept = Store(Path(arguments["results"]), conditioning.FOLDER)
-    if excuse := arguments["excuse"]:
-        found |= conditioning.excused(scene, a, b, excuse["limit"], excuse["precision"], kept)
+    if accuracies := [conditioning.Accuracy(**{name: tuple(v) if isinstance(v, list) else v for name, v in accuracy.items()})
+                      for accuracy in arguments["accuracies"]]:
+        held = [conditioning.limits(scene, accuracy, kept) for accuracy in accuracies]
+        found |= conditioning.apart(a, b, sum(held[1:], held[0]), arguments["tells_depth"])
     if arguments["literal"]:
         found |= oracle.held(scene, a, b, kept)
     return {"state": "ok", "metrics": found, "worst": metrics.worst_pixels(error)}
@@ -38,3 +45,16 @@ def answer(arguments: dict) -> dict:
 def _picture(path: str, _: int, camera: tuple[float, float, float]):
     planes = read_planes(Path(path), camera)
     return planes, metrics.interior(planes)
+
+
+def verdict_on(scene: Scene, name: str, picture: Picture, test: Picture, kept: Store) -> tuple[Verdict, str, list[Gate]]:
+    """The verdict on the reference's picture `test`, held against the one of the renderer called `name`: neither is a
+    truth, and what they may be apart is what that renderer may be from the reference."""
+    facts = picture.metadata
+    run = Run(key="", scene=scene.name, renderer=name, title=name, state="ok", command="", errors=facts.get("errors", []),
+              tilts=facts.get("tilts", []), facts={k: v for k, v in facts.items() if isinstance(v, (bool, int, float, str))})
+    a, b = ({**vars(p), "camera": np.array(scene.camera.position)} for p in (test, picture))
+    measured = {**metrics.geometry(a, b), **metrics.picture(a, b)}
+    if accuracy := accuracy_of(run):
+        measured |= conditioning.apart(a, b, conditioning.limits(scene, accuracy, kept), run.facts.get("tells_depth", True))
+    return judge(measured, tolerance_of(run), tolerance_of(run, exact=True))

@@ -19,7 +19,7 @@ from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, P
 
 from ..execution.store import Store
 from . import conditioning
-from .metrics import VISIBLE, Planes, everywhere_around, pixel_error, uniform_around
+from .metrics import Planes, everywhere_around, largest_around, pixel_error, uniform_around
 from .tolerances import REPEATED
 
 FEWEST = 2000  # pixels that are asked for, or all there are; half of them where the method is likely to err
@@ -89,18 +89,20 @@ def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, fl
     error = np.where(np.isfinite(error), error, np.where(np.isnan(color) == np.isnan(asked["color"]), 0, np.inf).max(axis=-1))
     same = _same_hit(index, t, asked["index"], asked["t"])
     apart = ~same | ~(error <= REPEATED * (1 + np.abs(asked["color"]).max(axis=-1)))
-    with np.errstate(invalid="ignore"):  # two objects at one distance: rounding decides which of them is hit (M4)
-        both = (index >= 0) & (asked["index"] >= 0) & (index != asked["index"])
-        excused = apart & both & (np.abs(t - asked["t"]) <= conditioning.TIE * t)
-    if (apart & ~excused).any():
-        bound = conditioning.bound(scene, 64, kept, "paper").ravel()[pixels]
-        elsewhere = np.flatnonzero(apart & ~excused & ~same & (index == asked["index"]) & (index >= 0))
+    excused, at_risk = np.zeros_like(apart), 0
+    if apart.any():
+        limits = conditioning.limits(scene, conditioning.Accuracy(64), kept, "paper")
+        at_risk = int((limits.risk > 0).sum())
+        near = (largest_around(limits.risk) > 0).ravel()[pixels]
+        with np.errstate(invalid="ignore"):
+            near &= (index != asked["index"]) | (index < 0) | (np.abs(t - asked["t"]) <= limits.t_jump.ravel()[pixels])
+        elsewhere = np.flatnonzero(apart & ~same & (index == asked["index"]) & (index >= 0))
         same[elsewhere] = np.abs(t[elsewhere] - asked["t"][elsewhere]) <= SAFETY * _shift_by_rounding(scene, pixels[elsewhere])
-        excused |= apart & (error <= bound) & (same | (bound > VISIBLE))
+        excused = apart & (same & (error <= limits.color.ravel()[pixels]) | near & (error <= limits.color_jump.ravel()[pixels]))
     counted = error[apart & ~excused]
     wrong = differing(truth, test).ravel()
     return {"oracle pixels": len(pixels), "oracle mismatches": int((apart & ~excused).sum()),
-            "oracle excused pixels": int(excused.sum()), "oracle color max": float(counted.max(initial=0.0)),
+            "oracle excused pixels": int(excused.sum()), "pixels at risk": at_risk, "oracle color max": float(counted.max(initial=0.0)),
             "differing pixels": int(wrong.sum()), "differing pixels asked": int(wrong[pixels].sum()),
             **{f"cause: {cause}": count for cause, count in causes(scene, truth, test, pixels[wrong[pixels]]).items()}}
 

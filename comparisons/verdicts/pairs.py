@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -15,7 +15,7 @@ from ..execution import store
 from ..execution.pool import Pool, Task, complete
 from ..execution.store import Store
 from ..results import Run, State
-from .tolerances import largest_difference
+from .tolerances import accuracy_of
 
 FOLDER = "measured"
 TRUTH = "exact"
@@ -40,10 +40,17 @@ class Pair:
     smooth: bool = False
 
     @property
-    def excuse(self) -> dict | None:
-        """What rounding has to explain: every pixel of an oracle's picture that is farther than this from the truth."""
-        limit = largest_difference(self.second) if self.first.renderer == TRUTH else None
-        return limit and {"limit": limit, "precision": self.second.facts["precision"]}
+    def accuracies(self) -> list[dict]:
+        """What single pixels are held to: the accuracies of the two, one of two that share their geometry; none where
+        nothing is measurable, or both are the truth's."""
+        if any(None in run.errors for run in (self.first, self.second)):
+            return []
+        found = [asdict(a) for run in (self.first, self.second) if (a := accuracy_of(run))]
+        return list({repr(a): a for a in found}.values())
+
+    @property
+    def tells_depth(self) -> bool:
+        return all(run.facts.get("tells_depth", True) for run in (self.first, self.second))
 
     @property
     def literal(self) -> bool:
@@ -53,7 +60,8 @@ class Pair:
 
     @property
     def key(self) -> str:
-        return store.key(self.first.key, self.second.key, self.smooth, self.excuse, self.literal, made_by=("comparisons.verdicts.measure",))
+        return store.key(self.first.key, self.second.key, self.smooth, self.accuracies, self.literal,
+                         made_by=("comparisons.verdicts.measure",))
 
 
 class Measurements:
@@ -69,7 +77,8 @@ class Measurements:
         tasks = [Task(pair.key, f"{pair.first.renderer} and {pair.second.renderer}: {pair.scene.name}",
                       "comparisons.verdicts.measure:answer", {
             "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results), "smooth": pair.smooth,
-            "excuse": pair.excuse, "literal": pair.literal, "planes": [str(self.results / run.planes) for run in (pair.first, pair.second)]},
+            "accuracies": pair.accuracies, "tells_depth": pair.tells_depth, "literal": pair.literal,
+            "planes": [str(self.results / run.planes) for run in (pair.first, pair.second)]},
             self.limit, "measure") for pair in pairs]
         self._found |= complete(tasks, self.store, self.pool, Measured.model_validate_json, _settled)
 

@@ -10,10 +10,13 @@ from collections.abc import Iterator
 from dataclasses import astuple, dataclass
 from typing import Literal
 
-from ..results import Run
+from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, FLOOR_UNITS, ORIGIN_UNITS, PROBES, SAFETY
 
-AT_SIZE = 640 * 480
+from ..results import Run
+from .conditioning import Accuracy
+
 MEASURED = "raytruth compare"
+PREDICTED = "raytruth sensitivity figure-17-scene1 --verify 8"
 
 
 @dataclass(frozen=True)
@@ -27,58 +30,65 @@ class Limit:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """How far a kind of renderer may be from the truth, and why so far."""
+    """How far most pixels of a kind of renderer may be from the truth, and why so far; single pixels have limits of their
+    own (conditioning.py)."""
 
     name: str
     because: str
     depth_p99: float  # relative
     color_p99: float
-    # of all pixels of a picture of AT_SIZE; edges are lines, so that their pixels grow with its side, not with its area
-    failing_share: float  # edges seen directly, in mirrors and through glass fall on other pixels
-    clustered_share: float  # whole neighbourhoods that fail are no edges
-    mismatch_share: float  # hit/miss or object, at silhouettes
-
-    @staticmethod
-    def allowed(share: float, pixels: int) -> int:
-        """A share as a number of pixels, in a picture of that many."""
-        return round(share * (pixels * AT_SIZE) ** 0.5)
 
 
-NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by a unit of it",
-                   depth_p99=5e-7, color_p99=2e-6, failing_share=2e-4, clustered_share=1e-5, mismatch_share=2e-4)
+NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by a unit of it", depth_p99=5e-7, color_p99=2e-6)
 MESH = Tolerance("meshes", "surfaces replaced by triangles, error falling with the square of the resolution",
-                 depth_p99=1e-4, color_p99=1e-3, failing_share=2e-3, clustered_share=1e-5, mismatch_share=2.5e-4)
+                 depth_p99=1e-4, color_p99=1e-3)
 GRID = Tolerance("grids", "f replaced by its trilinear interpolation, error falling with the square of the cells",
-                 depth_p99=3e-4, color_p99=1e-2, failing_share=3e-2, clustered_share=2e-3, mismatch_share=5e-3)
+                 depth_p99=3e-4, color_p99=1e-2)
 TRACERS = Tolerance("two tracers of one mesh", "the triangles are the same; what is left is single precision",
-                    depth_p99=5e-7, color_p99=3e-5, failing_share=4e-4, clustered_share=1e-5, mismatch_share=2.5e-4)
-ORACLE = Tolerance("POV-Ray", "double precision, colours of 16 bits",
-                   depth_p99=1e-10, color_p99=2e-5, failing_share=1e-3, clustered_share=0, mismatch_share=1e-3)
-DOUBLE = Tolerance("double precision", "the same model in double precision",
-                   depth_p99=1e-9, color_p99=1e-9, failing_share=0, clustered_share=0, mismatch_share=0)
+                    depth_p99=5e-7, color_p99=3e-5)
+ORACLE = Tolerance("POV-Ray", "double precision, colours of 16 bits", depth_p99=1e-10, color_p99=2e-5)
+DOUBLE = Tolerance("double precision", "the same model in double precision", depth_p99=1e-9, color_p99=1e-9)
 
 # of an oracle's every pixel, with primitives: a step of 16 bits, 2^-16 = 1.5e-5, and the rounding of what is added to it;
 # with isosurfaces at accuracy 1e-8 what their normals, differences over that distance, are off by
 ANALYTICAL, NUMERICAL = 2e-5, 2e-4
-ON_EDGES = 0.25  # of a picture's side: the rooms of figures 10 to 16 have edges through the centres of 107 pixels
+STEPS_OF_NORMALS, NUMERICAL_NORMALS = 2.0**-14, 1e-3  # of three channels of 16 bits each, 2 / 2^16 wide; of isosurfaces
 REPEATED = 1e-9  # of every plane of a pixel that two programs compute in double precision by the same method
 
 
-def tolerance_of(run: Run) -> Tolerance:
-    """How far a run may be from the truth. Where a renderer has no exact shape for a surface, triangles stand for it."""
+def tolerance_of(run: Run, exact: bool = False) -> Tolerance:
+    """How far most pixels of a run may be from the truth; with `exact`, those whose rays meet no mesh or grid.
+
+    Where a renderer has no exact shape for a surface, triangles stand for it.
+    """
     if run.renderer in ("exact", "paper"):
         return DOUBLE
     if run.renderer.startswith("povray"):
         return ORACLE
-    if run.facts.get("grids"):
+    if run.facts.get("grids") and not exact:
         return GRID
     # hits on triangles may have been moved onto the surface they stand for
-    return MESH if run.facts.get("triangles") and not run.facts.get("refined") else NATIVE
+    return MESH if run.facts.get("triangles") and not run.facts.get("refined") and not exact else NATIVE
 
 
-def between(first: Run, second: Run) -> Tolerance:
-    """How far two runs may be from each other: each may be as far from the truth as its own tolerance says."""
-    a, b = tolerance_of(first), tolerance_of(second)
+def accuracy_of(run: Run) -> Accuracy | None:
+    """What single pixels of a run are held to; None where its errors are not measurable, and of the reference, the truth."""
+    if run.settings.get("method") and run.facts.get("precision", 64) == 64 or None in run.errors:
+        return None
+    exact = {}
+    if tolerance_of(run) is ORACLE:
+        numerical = bool(run.facts.get("isosurfaces"))
+        # colours are in units of the brightest possible one: 16 bits tell no more of it
+        exact = {"color": (NUMERICAL if numerical else ANALYTICAL) * max(1.0, run.facts.get("brightest") or 1.0),
+                 "t": ORACLE.depth_p99, "normal": NUMERICAL_NORMALS if numerical else STEPS_OF_NORMALS}
+    return Accuracy(int(run.facts.get("precision") or 32), tuple(run.errors), tuple(run.tilts), **exact)
+
+
+def between(first: Run, second: Run, exact: bool = False) -> Tolerance:
+    """How far two runs may be from each other: each may be as far from the truth as its own tolerance says.
+
+    `exact` asks for pixels whose rays meet no mesh or grid."""
+    a, b = tolerance_of(first, exact), tolerance_of(second, exact)
     if a is b is MESH and _mesh(first) == _mesh(second):
         return TRACERS
     if DOUBLE in (a, b):
@@ -93,34 +103,29 @@ def _mesh(run: Run):
     return run.facts.get("triangles"), run.settings.get("resolution"), run.facts.get("native_shapes", 0)
 
 
-def largest_difference(run: Run) -> float | None:
-    """How far any pixel of an oracle's picture may be from the truth unless rounding excuses it; None for other runs.
-
-    Colours are in units of the brightest possible one: 16 bits tell no more of it.
-    """
-    if tolerance_of(run) is not ORACLE:
-        return None
-    return (NUMERICAL if run.facts.get("isosurfaces") else ANALYTICAL) * max(1.0, run.facts.get("brightest", 1.0))
-
-
 def unmeasured(run: Run) -> str:
     """Why a picture that keeps every limit proves nothing; "" where it does."""
-    if run.facts.get("measured_mesh_error", 0) is None:
+    if None in run.errors or run.facts.get("measured_mesh_error", 0) is None:
         return "every limit holds, but how far its meshes are from the surfaces is not measurable"
     return ""
 
 
 def table() -> Iterator[Limit]:
     """All limits."""
-    units = {"depth_p99": "relative", "color_p99": "linear", "failing_share": "of the pixels at 640 x 480",
-             "clustered_share": "of the pixels at 640 x 480", "mismatch_share": "of the pixels at 640 x 480"}
+    units = {"depth_p99": "relative", "color_p99": "linear"}
     for tolerance in (NATIVE, MESH, GRID, TRACERS, ORACLE, DOUBLE):
         for name, unit in units.items():
             yield Limit(f"{tolerance.name}: {name}", getattr(tolerance, name), unit, "measured", MEASURED)
     yield Limit("POV-Ray: colour, primitives", ANALYTICAL, "of the brightest colour", "derived", "2^-16 and its rounding")
-    yield Limit("POV-Ray: colour, isosurfaces", NUMERICAL, "of the brightest colour", "measured",
-                "raytruth compare --renderers povray-isosurface")
-    yield Limit("excused pixels, undecided pixels", ON_EDGES, "of the picture's side", "measured",
-                "raytruth compare figure-10-refraction-n0.8 --renderers povray")
+    yield Limit("POV-Ray: normals, primitives", STEPS_OF_NORMALS, "length", "derived", "sqrt(3) 2 / 2^16, rounded up to 4 / 2^16")
+    for what, value in (("colour", NUMERICAL), ("normals", NUMERICAL_NORMALS)):
+        yield Limit(f"POV-Ray: {what}, isosurfaces", value, "of the brightest colour" if what == "colour" else "length",
+                    "measured", "raytruth compare --renderers povray-isosurface")
+    yield Limit("every pixel: perturbations", PROBES, "pictures", "derived", "an edge escapes n of them with probability 2^-n")
+    yield Limit("every pixel: times the largest answer", SAFETY, "factor", "derived",
+                "all n samples stay below 1 / s of the largest possible one with probability s^-n, 2e-6 of 12")
+    yield Limit("every pixel: rays' origins", ORIGIN_UNITS, "units of rounding", "measured", PREDICTED)
+    yield Limit("every pixel: rays' directions", DIRECTION_UNITS, "units of rounding", "measured", PREDICTED)
+    yield Limit("every pixel: shading", FLOOR_UNITS, "units of rounding", "measured", PREDICTED)
     yield Limit("literal method: every plane", REPEATED, "relative", "measured",
                 "raytruth compare --renderers paper")

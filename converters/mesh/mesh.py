@@ -28,3 +28,12 @@ class Mesh:
     @property
     def triangles(self) -> int:
         return len(self.faces)
+
+    @property
+    def tilt(self) -> float:
+        """How far facets turn from the surface, in radians: a parabola of height `error_p99` over an edge of typical length l
+        has slope 4 error_p99 / l at its ends. 0 where the error is not measurable."""
+        if not self.triangles or not self.error_p99:
+            return 0.0
+        a, b = self.vertices[self.faces[:, 0]], self.vertices[self.faces[:, 1]]
+        return float(4 * self.error_p99 / np.median(np.linalg.norm(a - b, axis=1)))

@@ -30,6 +30,7 @@ class Part:
     error: float | None  # an upper bound of the distance between a mesh and the surface (of a grid, the largest one
     # found), before Mitsuba rounds it to fp32; None: not measurable
     clipped: str  # what was cut off, see Mesh
+    tilt: float = 0.0  # of facets against the surface, see Mesh
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
             mesh = (mesh_object(obj, scene, resolution) if error is None
                     else mesh_to_error(obj, scene, error, share))
             shape = meshed(mesh, f"object-{index}") if mesh.triangles else None
-            part = Part("mesh" if shape else "nothing", mesh.triangles, mesh.error, mesh.clipped)
+            part = Part("mesh" if shape else "nothing", mesh.triangles, mesh.error, mesh.clipped, mesh.tilt)
         if shape:
             made[index] = shape
         parts.append(part)

@@ -7,7 +7,8 @@ examples:
 
 Every pair of renderers is compared as well; a renderer that the majority contradicts on a scene is the odd one out.
 Each renderer works in a process of its own, under a time limit: a crash costs its own cases. Finished work is kept in
-the results folder and reused; an interrupted run resumes. Results accumulate: what they say of other scenes stays. The exit code is 1 if anything differs or failed.
+the results folder and reused; an interrupted run resumes. Results accumulate: what they say of other scenes stays. The exit code is 1 if anything differs or failed,
+or if a worse setting of a renderer passes a limit on the scenes that come closest to it.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ def add_arguments(parser):
 def run(arguments) -> int:
     from comparisons import renderers
     from comparisons.agreement import records
+    from comparisons.agreement.tightness import TELLING
     from comparisons.progress import Cases
     from comparisons.results import BROKEN
     from comparisons.suite import COMPARED, Options, compare
@@ -61,7 +63,9 @@ def run(arguments) -> int:
     here = {scene.name for scene in scenes}
     odd = any(not d.expected for d in matrix.dissent if d.scene in here)
     broken = any(run.state in BROKEN for run in results.runs) or any(not s.holds for s in results.series)
-    return 1 if broken or odd or any(c.verdict == "differs" for c in results.comparisons) else 0
+    # the scenes that come closest to the limits decide what is tight
+    loose = here.issuperset(TELLING) and any(t.verdict == "loose" for t in matrix.tightness)
+    return 1 if broken or odd or loose or any(c.verdict == "differs" for c in results.comparisons) else 0
 
 
 def _tell(results, matrix, folder) -> None:
