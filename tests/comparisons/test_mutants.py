@@ -5,7 +5,7 @@ import pytest
 from mutants import MUTANTS, SCENE, right
 
 from comparisons import renderers
-from comparisons.attribution.attribute import attribute
+from comparisons.attribution.measure import attribute
 from comparisons.execution.store import Store
 from comparisons.verdicts import conditioning, metrics
 from comparisons.verdicts.conditioning import Accuracy

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from test_misbehaving import SCENE, alive, wait_until_gone
+from test_misbehaving import alive, wait_until_gone
 from workers import child, interruptible
 
 from comparisons.execution import pool

@@ -1,13 +1,23 @@
 """Speed against accuracy: where points stand, what the frontier is, and the pages."""
 
-import pytest
 from report_support import HOSTILE, make_results
 
 import reports
 from comparisons import document
 from comparisons.bench.document import Spread
-from comparisons.charting.document import (FILE, Accuracy, Chart, Growth, GrowthLine, GrowthPoint, Point, Series,
-                                          Subject, Times, Uncertainty)
+from comparisons.charting.document import (
+    FILE,
+    Accuracy,
+    Chart,
+    Growth,
+    GrowthLine,
+    GrowthPoint,
+    Point,
+    Series,
+    Subject,
+    Times,
+    Uncertainty,
+)
 from reference_tracer.scene import library
 from reports.pages.speed import KINDS, Speed
 
