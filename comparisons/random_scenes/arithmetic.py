@@ -1,7 +1,8 @@
 """A formula's text as exact numbers, read and evaluated without anything of reference_tracer.
 
 Along a ray f is either a polynomial with rational coefficients (fmpq_poly), about which everything can be known, or
-enclosed with its first two derivatives in balls (arb; Johansson 2017, Arb). Numbers in a formula are the doubles they are read as.
+enclosed with its first two derivatives in balls (arb; Johansson 2017, Arb). Numbers in a formula are the doubles that they
+are read as.
 """
 
 from __future__ import annotations
@@ -201,7 +202,8 @@ class Taylor:
 
     def through(self, value: arb, first: arb, half_second: arb, positive: bool = False) -> Taylor:
         """A function of f: its value and its derivatives at f."""
-        return Taylor(value, first * self.slope, first * self.half_curvature + half_second * self.slope * self.slope, positive)
+        return Taylor(value, first * self.slope, first * self.half_curvature + half_second * self.slope * self.slope,
+                      positive)
 
 
 _NAN = arb.nan()

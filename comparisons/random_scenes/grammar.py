@@ -92,7 +92,8 @@ class _Draw:
         thing = {"surface": surface, "material": self._material(optics)}
         if turned:
             self.traits.add("rotated")
-            thing["rotation"] = {"axis": self.direction(), "degrees": self.random.choice((90.0, 180.0, self.between(0, MOST_TURNS)))}
+            thing["rotation"] = {"axis": self.direction(),
+                                 "degrees": self.random.choice((90.0, 180.0, self.between(0, MOST_TURNS)))}
         objects = [thing]
         if paired and thing["material"].get("transparency", 0) == 0:
             kind = "pairs"
@@ -103,7 +104,8 @@ class _Draw:
         lights = [{"position": self._beside(surface, size, self.random.uniform(2, 6)),
                    "brightness": [self.between(0.2, 1) for _ in range(3)]} for _ in range(light_count)]
         longest = min(max(20 * size, 3 * away), 1e6)
-        tracing = {"max_distance": longest, "step_size": max(longest / 3000, 1e-6), "max_depth": self.random.choice((1, 1, 2))}
+        tracing = {"max_distance": longest, "step_size": max(longest / 3000, 1e-6),
+                   "max_depth": self.random.choice((1, 1, 2))}
         scene = {"name": f"random-{self.seed}", "camera": camera, "objects": objects, "lights": lights,
                  "background": [self.between(0, 0.5) for _ in range(3)], "tracing": tracing}
         return Drawn(self.seed, kind, scene, self.traits)
@@ -308,7 +310,8 @@ class _Draw:
 
     def gaussians(self):
         a, s = self.between(0.5, 1.2), self.between(1, 4)
-        return Shape(f"{self.between(0.3, 0.7)!r}-exp(-{s!r}*((x-{a!r})**2+y*y+z*z))-exp(-{s!r}*((x+{a!r})**2+y*y+z*z))", 3.0)
+        return Shape(f"{self.between(0.3, 0.7)!r}-exp(-{s!r}*((x-{a!r})**2+y*y+z*z))"
+                     f"-exp(-{s!r}*((x+{a!r})**2+y*y+z*z))", 3.0)
 
     def logarithm(self):
         return Shape(f"log(1+x*x+{self.between(0.5, 2)!r}*y*y+z*z)-{self.between(0.3, 0.6)!r}", 1.5)
@@ -334,7 +337,8 @@ class _Draw:
 
     def gyroid_shell(self):
         k = self.between(1, 3)
-        return Shape(f"abs(sin({k!r}*x)*cos({k!r}*y)+sin({k!r}*y)*cos({k!r}*z)+sin({k!r}*z)*cos({k!r}*x))-{self.between(0.05, 0.3)!r}", None)
+        return Shape(f"abs(sin({k!r}*x)*cos({k!r}*y)+sin({k!r}*y)*cos({k!r}*z)+sin({k!r}*z)*cos({k!r}*x))"
+                     f"-{self.between(0.05, 0.3)!r}", None)
 
     def hemisphere(self):
         r = self.between(0.5, 1.2)
@@ -377,7 +381,8 @@ class _Draw:
             lambda: {"type": "sphere", "r": r(), "size": 1.2},
             lambda: {"type": "ellipsoid", "a": r(), "b": r(), "c": r(), "size": 1.2},
             lambda: {"type": "torus", "R": self.between(0.7, 1.0), "r": self.between(0.1, 0.5), "size": 1.5},
-            lambda: {"type": "plane", "a": self.between(-1, 1), "b": self.between(-1, 1), "c": self.between(0.2, 1), "size": 2.0},
+            lambda: {"type": "plane", "a": self.between(-1, 1), "b": self.between(-1, 1), "c": self.between(0.2, 1),
+                     "size": 2.0},
             lambda: {"type": "paraboloid", "a": r(), "b": r(), "size": 2.0}))()
 
 

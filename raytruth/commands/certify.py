@@ -107,8 +107,8 @@ def _run_random(arguments) -> int:
         except KeyboardInterrupt:
             done = max(sum(t.scenes for t in totals.values()) - arguments.jobs, 0)  # those under way are made again
             bar.close()
-            print(f"stopped after {done} scenes; go on with --random {arguments.random - done} --seed {arguments.seed + done}",
-                  file=sys.stderr)
+            print(f"stopped after {done} scenes; go on with --random {arguments.random - done} "
+                  f"--seed {arguments.seed + done}", file=sys.stderr)
             stopped = True
     if arguments.json:
         print(json.dumps({kind: {**vars(total), "counts": dict(total.counts)} for kind, total in totals.items()}, indent=1))
@@ -127,8 +127,8 @@ def _tell_failure(answer, scene: dict, arguments) -> None:
     undecided = f"{answer.counts.get('avoidable_hits')} of {answer.counts.get('hits')} hits undecided"
     what = answer.fault or (f"{len(answer.wrong)} wrong, e.g. {answer.wrong[0]}" if answer.wrong else undecided)
     method = "" if arguments.method == "exact" else f" --method {arguments.method}"
-    print(f"{answer.kind} ({', '.join(answer.traits)}): {what}; repeat: raytruth certify --random 1 --seed {answer.seed}{method}; "
-          f"scene: {path}", file=sys.stderr if arguments.json else sys.stdout, flush=True)
+    print(f"{answer.kind} ({', '.join(answer.traits)}): {what}; repeat: "
+          f"raytruth certify --random 1 --seed {answer.seed}{method}; scene: {path}", file=sys.stderr if arguments.json else sys.stdout, flush=True)
 
 
 def _table(totals) -> str:
@@ -140,14 +140,15 @@ def _table(totals) -> str:
     for kind, t in [*sorted(totals.items()), ("all", sum(totals.values(), Total()))]:
         c, (most, hits, seed) = t.counts, t.worst
         worst = f"{most} of {hits}: seed {seed}" if most else "-"
-        lines.append(f"{kind:<22}{t.scenes:>8,}{t.faults:>8,}{c['pixels']:>9,}{c['unsettled']:>8,}{t.wrong:>7,}{c['hits']:>9,}"
-                     f"{c['undecided_hits']:>11,}{c['avoidable_hits']:>11,}{t.undecided:>8.2%}  {worst}")
+        lines.append(f"{kind:<22}{t.scenes:>8,}{t.faults:>8,}{c['pixels']:>9,}{c['unsettled']:>8,}{t.wrong:>7,}"
+                     f"{c['hits']:>9,}{c['undecided_hits']:>11,}{c['avoidable_hits']:>11,}{t.undecided:>8.2%}  {worst}")
     missed = [f"{kind}: {what}" for kind, t in sorted(totals.items()) for what in t.missed(kind)]
-    return "\n".join([*lines, "", "untold: pixels that the oracle cannot tell; avoidable: undecided hits whose colour it knows, "
-                      "and their share of all hits", "",
+    return "\n".join([*lines, "", "untold: pixels that the oracle cannot tell; avoidable: undecided hits whose colour it "
+                      "knows, and their share of all hits", "",
                       *([f"does not hold: {text}" for text in missed] or
                         ["holds: no scene failed, no decided pixel is wrong, and of no kind more than "
-                         f"{MOST_UNDECIDED:.0%} of the hits is avoidably undecided (but {', '.join(EXCUSED)}: see --help)"])])
+                         f"{MOST_UNDECIDED:.0%} of the hits is avoidably undecided "
+                         f"(but {', '.join(EXCUSED)}: see --help)"])])
 
 
 def _summary(certificates) -> str:

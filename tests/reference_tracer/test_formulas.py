@@ -240,7 +240,8 @@ def test_a_product_of_pairs_is_not_negative_however_it_is_written(square):
         assert ball.s[0].contains(arb(forms_of(f"({square})**1.3").function(1.5, 0.2, -0.3))) and ball.nonnegative
 
 
-@pytest.mark.parametrize("product", ["x*x*x", "-x*x", "x*y*x", "x/3*(x/-3)", "-2*x*(x*3)", "x*log(x)*x", "-(x*x)", "x*x*(x + 1)"])
+@pytest.mark.parametrize("product", [
+    "x*x*x", "-x*x", "x*y*x", "x/3*(x/-3)", "-2*x*(x*3)", "x*log(x)*x", "-(x*x)", "x*x*(x + 1)"])
 def test_a_product_that_may_be_negative_has_no_root(product):
     f = forms_of(f"sqrt({product}) + 0*x")
     value = f.function(OutwardInterval(-2.0, 2.0), OutwardInterval(-1.0), OutwardInterval(1.0), **f.parameters)

@@ -204,7 +204,8 @@ def test_a_cube_that_is_not_algebraic_is_decided():
 def test_the_scenes_of_formulas_that_are_one_solid():
     powers = (lambda c: f"abs({c})**2.5", lambda c: f"({c}*{c})**1.25", lambda c: f"(({c}/0.25)*({c}/0.25)/16)**1.25",
               lambda c: f"(-{c}*2*{c}*-2)**1.25/{4**1.25!r}", lambda c: f"sqrt({c}*{c}*{c}*{c})**1.25")
-    a, *others = (picture(f"{p('x')}+{p('y')}+{p('z')}-1", box={"bounds": {"low": [-1.1] * 3, "high": [1.1] * 3}}) for p in powers)
+    box = {"bounds": {"low": [-1.1] * 3, "high": [1.1] * 3}}
+    a, *others = (picture(f"{p('x')}+{p('y')}+{p('z')}-1", box=box) for p in powers)
     for b in others:
         np.testing.assert_array_equal(a.index, b.index)
         np.testing.assert_allclose(a.t[a.index >= 0], b.t[a.index >= 0], rtol=1e-13)
