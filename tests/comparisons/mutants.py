@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from unittest.mock import patch
 
 import drjit as dr
 import numpy as np
@@ -58,11 +57,7 @@ def leaving(spoil: Callable[[Picture], None]) -> Make:
 def asking(**answers) -> Make:
     """Another world in place of the right one: methods that take its place."""
     kind = type("Wrong", (World,), answers)
-
-    def make(scene: Scene) -> Picture:
-        with patch.object(rendering, "World", kind):
-            return rendering.render(scene, "exact")
-    return make
+    return lambda scene: rendering.Renderer(scene, "exact", world=kind).picture()
 
 
 # --- scenes ------------------------------------------------------------------------------------------------------------
