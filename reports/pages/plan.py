@@ -73,14 +73,13 @@ def median_ratio(plans: Plans, what: str) -> float:
 
 def _shown(plan: Plan, folder: Path) -> ShownPlan:
     try:
-        planes = load(plan.planes, folder, ("color", "change"))
-        color, change = planes["color"], planes["change"]
-        size = (plan.height, plan.width)
-        if color.shape != (*size, 3) or color.dtype != np.uint8 or change.shape != size or change.dtype.kind != "f":
+        planes = load(plan.planes, folder, {"color": 3, "change": 0})
+        color, change = planes["color"], planes["change"].astype(float)
+        if change.shape != (plan.height, plan.width) or color.dtype != np.uint8:
             raise NoPlanes(f"{plan.planes} holds planes of another size or kind.")
     except NoPlanes as reason:
         return ShownPlan(plan, {}, str(reason))
-    nothing = np.zeros(size, bool)
+    nothing = np.zeros(change.shape, bool)
     found = ShownPlan(plan, {}, "")
     found.pixels.update({found.picture: color,
                          found.map: scale.paint(np.where(np.isfinite(change), change, np.nan), nothing, nothing)})

@@ -134,7 +134,7 @@ class Speed:
                 lines, best)
 
     def growth(self, growth: Growth, second: bool) -> tuple[Axis, Axis, list[Line]]:
-        """How time, or what the study has besides, grows. Threads can only be told apart by the clock on the wall."""
+        """How time, or what the study has besides, grows. What threads save only the clock on the wall shows."""
         of_threads = growth.id == "threads"
         time: Callable[[Times], float] = lambda t: (t.wall if of_threads else getattr(t, self.clock)).median
         lines = [Line(line.label if len(growth.lines) > 1 else "", [
