@@ -60,7 +60,8 @@ def pages(report: Report) -> list[Page]:
     summary = Summary(
         "No more than a scene needs",
         f"{count(len(plans), 'scene')}, each planned by measuring to the least that keeps its picture within a tolerance.",
-        f"{kept} of {len(plans)} keep it on the pixels held back; as written they take {exact:.1f} times as long, in the median.",
+        f"{kept} of {len(plans)} keep it on the pixels held back; as written "
+        f"they take {exact:.1f} times as long, in the median.",
         "The plans")
     return [Page("plan.html", "plan.html.j2", {"plans": plans, "kept": kept, "exact": exact, "paper": paper},
                  nav="Plans", summary=summary, pictures={file: p for plan in plans for file, p in plan.pixels.items()})]
