@@ -103,7 +103,8 @@ def environment() -> Environment:
     templates.filters.update(parts=parts, page_of=scene_page, prose=prose, **{
         name: getattr(words, name) for name in ("metric", "full_stop", "sentence", "capital", "slug")})
     templates.tests.update(lower_bound=is_lower_bound)
-    templates.globals.update(scale=scale, VERDICTS=words.VERDICTS, STATES=words.STATES, KEY_METRICS=words.KEY_METRICS, count=words.count)
+    templates.globals.update(scale=scale, VERDICTS=words.VERDICTS, STATES=words.STATES,
+                             KEY_METRICS=words.KEY_METRICS, count=words.count)
     return templates
 
 

@@ -32,7 +32,8 @@ def _colour(name: str) -> str:
 
 SETTINGS = {"svg.fonttype": "none", "font.size": FONT, "text.parse_math": False, "axes.spines.top": False,
             "axes.spines.right": False, "xtick.minor.size": 0, "ytick.minor.size": 0, "xtick.major.size": 0,
-            "ytick.major.size": 0, "axes.grid": True, "axes.axisbelow": True, "axes.facecolor": "none", "lines.markersize": 7.5,
+            "ytick.major.size": 0, "axes.grid": True, "axes.axisbelow": True, "axes.facecolor": "none",
+            "lines.markersize": 7.5,
             **{f"{axis}tick.color": _colour("soft") for axis in "xy"}, "grid.color": _colour("line"),
             "axes.edgecolor": _colour("soft"), "axes.labelcolor": _colour("ink"), "text.color": _colour("ink")}
 
@@ -102,7 +103,7 @@ class Line:
     label: str
     points: Sequence[tuple[float, float]]
     number: int = 0  # of its colour and its mark
-    style: str = "marks"  # "marks" joined by a line, "hollow" ones, "apart" without a line, "muted"; without marks "plain" and "bands"
+    style: str = "marks"  # joined by a line; or "hollow", "muted", "apart" without a line; without marks "plain", "bands"
     spread: Sequence[tuple[float, float]] = ()  # low and high of every point: of y in "bands", else of x
     off: Sequence[bool] = ()  # which points lie where they must not
 
@@ -218,14 +219,15 @@ def _name(figure, anchors: list[tuple[Line, np.ndarray]], taken: np.ndarray) -> 
         choices, cost = [], []
         for rank, index in enumerate(nearest):
             for radius in (10, 22, 40, 65, 95):
-                centre = pixels[index] + np.stack([np.cos(turn) * (radius + width / 2), np.sin(turn) * (radius + height / 2)], 1)
+                reach = radius + np.array([width, height]) / 2
+                centre = pixels[index] + reach * np.stack([np.cos(turn), np.sin(turn)], 1)
                 choices.append(np.hstack([centre, np.tile(pixels[index], (len(turn), 1))]))
                 cost.append(np.full(len(turn), 4.0 * radius + 25 * rank) + 2 * np.arange(len(turn)))
         choices, cost = np.concatenate(choices), np.concatenate(cost)
         box = _boxes(choices[:, :2], width, height)
-        shared = (np.minimum(box[:, None, 2:], taken[None, :, 2:]) - np.maximum(box[:, None, :2], taken[None, :, :2])).clip(0)
+        low, high = np.maximum(box[:, None, :2], taken[None, :, :2]), np.minimum(box[:, None, 2:], taken[None, :, 2:])
         outside = (box[:, :2] < (LEFT - 4, BOTTOM)).any(1) | (box[:, 2:] > (WIDTH - 2, HEIGHT - TOP + 12)).any(1)
-        best = np.argmin(cost + 3 * shared.prod(2).sum(1) + 1e6 * outside)
+        best = np.argmin(cost + 3 * (high - low).clip(0).prod(2).sum(1) + 1e6 * outside)
         x, y, from_x, from_y = choices[best]
         if math.hypot(max(abs(x - from_x) - width / 2, 0), max(abs(y - from_y) - height / 2, 0)) > 24:
             end = np.clip((from_x, from_y), box[best, :2], box[best, 2:])
@@ -242,14 +244,18 @@ def _leader(start, end, colour: str):
 
 
 def _for_a_page(svg: str, anchor: str, title: str) -> Markup:
-    """Without what only a file of its own needs; an id that nothing refers to would stand in the page twice."""
-    svg = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>|<!--.*?-->", "", svg[svg.index("<svg"):], flags=re.S)
-    svg = re.sub(r"<svg [^>]*>", f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title)}">',
-                 svg, count=1).replace("xlink:href", "href")
-    svg = re.sub(r' clip-path="[^"]*"|<clipPath.*?</clipPath>|<defs>\s*</defs>|<g/>', "", svg, flags=re.S)  # all lies inside
+    """Without what only a file of its own needs. Tags alone are changed: texts are a document's own."""
+    svg = svg[svg.index(">", svg.index("<svg")) + 1:].replace("xlink:href=", "href=")
+    svg = re.sub(r"<metadata>.*?</metadata>|<style.*?</style>|<clipPath.*?</clipPath>|<!--.*?-->", "", svg, flags=re.S)
+    svg = re.sub(r"\s*\n\s*", "\n", re.sub(r"<defs>\s*</defs>|<g/>", "", svg))
     used = set(re.findall(r'href="#(\w+)"', svg))
-    svg = re.sub(r' id="([^"]*)"', lambda m: m[0] if m[1] in used or m[1].startswith(f"{anchor}-") else "", svg)
-    svg = re.sub(r"#00fe([0-9a-f]{2})", lambda m: f"var(--{PAGE[int(m[1], 16)]})", svg)
-    svg = re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", re.sub(r"; font-family: [^;\"]*", "", svg))
-    svg = re.sub(r"(\.\d\d)\d+", r"\1", svg)
-    return Markup(re.sub(r"\s*\n\s*", "\n", svg))
+
+    def tag(found: re.Match) -> str:
+        text = re.sub(r' clip-path="[^"]*"|; font-family: [^;"]*', "", found[0])  # all lies inside, in the page's type
+        # an id that nothing refers to would stand in a page of several charts twice
+        text = re.sub(r' id="([^"]*)"', lambda m: m[0] if m[1] in used or m[1].startswith(f"{anchor}-") else "", text)
+        text = re.sub(r"#00fe([0-9a-f]{2})", lambda m: f"var(--{PAGE[int(m[1], 16)]})", text)
+        return re.sub(r"(\.\d\d)\d+", r"\1", re.sub(r"font: ([\d.]+)px [^;\"]*", r"font-size: \1px", text))
+
+    return Markup(f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(title)}">'
+                  + re.sub(r"<[^>]*>", tag, svg))

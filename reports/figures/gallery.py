@@ -1,4 +1,4 @@
-"""One picture of all scenes, for the README: python -m reports.gallery RESULTS FILE.png"""
+"""One picture of all scenes, for the README: python -m reports.figures.gallery RESULTS FILE.png"""
 
 from __future__ import annotations
 

@@ -92,8 +92,8 @@ def errors(reference: Planes, test: Planes) -> Errors:
         # the chord keeps its digits at small angles, where the arc cosine of a dot product has lost them
         normal = np.where(both, np.degrees(2 * np.arcsin(np.minimum(chord / 2, 1))), 0)
     depth, normal = (np.where(np.isfinite(e), e, np.nan) for e in (depth, normal))
-    return Errors(color_error(reference.color, test.color), depth, normal, np.zeros(reference.shape), ~reference.hit & ~test.hit,
-                  reference.index != test.index, reference.undecided | test.undecided)
+    return Errors(color_error(reference.color, test.color), depth, normal, np.zeros(reference.shape),
+                  ~reference.hit & ~test.hit, reference.index != test.index, reference.undecided | test.undecided)
 
 
 @dataclass(frozen=True)

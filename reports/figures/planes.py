@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,32 +45,30 @@ def read(run: Run, folder: Path) -> Planes:
     """The planes of `run`, from `folder`. Raises NoPlanes."""
     if run.planes is None:
         raise NoPlanes("The run left no picture.")
-    return _checked(load(run.planes, folder, SHAPES), run.planes)
+    return Planes(**load(run.planes, folder, SHAPES))
 
 
-def load(name: str, folder: Path, planes: Iterable[str]) -> dict[str, np.ndarray]:
-    """The arrays called `planes` of the file `name` in `folder`, unchecked. Raises NoPlanes."""
+def load(name: str, folder: Path, shapes: dict[str, int]) -> dict[str, np.ndarray]:
+    """The arrays of the file `name` in `folder` that are called as `shapes` says, of one size. Raises NoPlanes."""
     folder = folder.resolve()
     path = (folder / name).resolve()
     if not path.is_relative_to(folder):
         raise NoPlanes(f"{name} lies outside the folder of the results and is not read.")
     try:
         with np.load(path, allow_pickle=False) as file:  # what no page shows stays packed
-            return {plane: file[plane] for plane in planes}
+            arrays = {plane: file[plane] for plane in shapes}
     except FileNotFoundError:
         raise NoPlanes(f"{name} is missing from the folder of the results.") from None
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise NoPlanes(f"{name} cannot be read ({error}).") from None
-
-
-def _checked(arrays: dict[str, np.ndarray], name: str) -> Planes:
-    size = arrays["t"].shape
+    flat = next(plane for plane, channels in shapes.items() if not channels)
+    size = arrays[flat].shape
     if len(size) != 2 or 0 in size:
-        raise NoPlanes(f"{name} holds no picture: plane t has shape {size}.")
-    for plane, channels in SHAPES.items():
+        raise NoPlanes(f"{name} holds no picture: plane {flat} has shape {size}.")
+    for plane, channels in shapes.items():
         expected = (*size, channels) if channels else size
         if arrays[plane].shape != expected:
             raise NoPlanes(f"{name} holds no picture: plane {plane} has shape {arrays[plane].shape}, not {expected}.")
-        if arrays[plane].dtype.kind not in "fiu":
+        if arrays[plane].dtype.kind not in "bfiu":
             raise NoPlanes(f"{name} holds no picture: plane {plane} does not hold numbers.")
-    return Planes(**{plane: arrays[plane] for plane in SHAPES})
+    return arrays

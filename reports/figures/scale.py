@@ -36,7 +36,7 @@ def css(colour) -> str:
     return "#" + "".join(f"{int(c):02x}" for c in colour)
 
 
-# Colours outside the scale, told apart by lightness alone: black, dark blue, cyan, white.
+# Colours outside the scale, distinguished by lightness alone: black, dark blue, cyan, white.
 EXACT = np.array([0, 0, 0], np.uint8)
 UNDECIDED = np.array([47, 107, 255], np.uint8)
 MISMATCH = np.array([0, 224, 255], np.uint8)

@@ -58,7 +58,8 @@ def pages(report: Report) -> list[Page]:
         "The document prints its formula for the angle of refraction the wrong way round, and leaves other questions open.",
         "", "What each decision changes in a picture"))
     changing = {FIRST} | {shown.effect.decision for shown in report.effects}
-    return [effects, Page("decisions.html", "decisions.html.j2", {"decisions": decisions, "changing": changing}, nav="Decisions")]
+    return [effects, Page("decisions.html", "decisions.html.j2", {"decisions": decisions, "changing": changing},
+                          nav="Decisions")]
 
 
 def read_decisions() -> list[Decision]:

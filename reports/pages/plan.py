@@ -60,7 +60,8 @@ def pages(report: Report) -> list[Page]:
     summary = Summary(
         "No more than a scene needs",
         f"{count(len(plans), 'scene')}, each planned by measuring to the least that keeps its picture within a tolerance.",
-        f"{kept} of {len(plans)} keep it on the pixels held back; as written they take {exact:.1f} times as long, in the median.",
+        f"{kept} of {len(plans)} keep it on the pixels held back; as written "
+        f"they take {exact:.1f} times as long, in the median.",
         "The plans")
     return [Page("plan.html", "plan.html.j2", {"plans": plans, "kept": kept, "exact": exact, "paper": paper},
                  nav="Plans", summary=summary, pictures={file: p for plan in plans for file, p in plan.pixels.items()})]
@@ -73,14 +74,13 @@ def median_ratio(plans: Plans, what: str) -> float:
 
 def _shown(plan: Plan, folder: Path) -> ShownPlan:
     try:
-        planes = load(plan.planes, folder, ("color", "change"))
-        color, change = planes["color"], planes["change"]
-        size = (plan.height, plan.width)
-        if color.shape != (*size, 3) or color.dtype != np.uint8 or change.shape != size or change.dtype.kind != "f":
+        planes = load(plan.planes, folder, {"color": 3, "change": 0})
+        color, change = planes["color"], planes["change"].astype(float)
+        if change.shape != (plan.height, plan.width) or color.dtype != np.uint8:
             raise NoPlanes(f"{plan.planes} holds planes of another size or kind.")
     except NoPlanes as reason:
         return ShownPlan(plan, {}, str(reason))
-    nothing = np.zeros(size, bool)
+    nothing = np.zeros(change.shape, bool)
     found = ShownPlan(plan, {}, "")
     found.pixels.update({found.picture: color,
                          found.map: scale.paint(np.where(np.isfinite(change), change, np.nan), nothing, nothing)})

@@ -49,7 +49,8 @@ class Kind:
 
 
 KINDS = (Kind("hits", "hits", "wrong", "wrong pixels"), Kind("wrong", "picture", "wrong", "wrong pixels"),
-         Kind("visible", "picture", "visible", "visibly wrong pixels"), Kind("evaluations", "evaluations", "wrong", "wrong pixels"),
+         Kind("visible", "picture", "visible", "visibly wrong pixels"),
+         Kind("evaluations", "evaluations", "wrong", "wrong pixels"),
          Kind("color", "picture", "color_p99", "error of colour of 99 % of the pixels compared", "color_p99"),
          Kind("largest-color", "picture", "color_max", "largest error of colour", "color_max"),
          Kind("depth", "hits", "depth_p99", "error of depth of 99 % of the pixels that are not wrong", "depth_p99"),
@@ -89,14 +90,15 @@ class Speed:
     def sweeps(self) -> list[str]:
         """What varies along the lines of the charts, which name the series alone."""
         found = {s.title: [p.label for p in s.points] for subject in self.chart.subjects for s in subject.series}
-        return [f"{title}: {labels[0]} to {labels[-1].rpartition(' ')[2]}" for title, labels in found.items() if len(labels) > 1]
+        return [f"{title}: {labels[0]} to {labels[-1].rpartition(' ')[2]}"
+                for title, labels in found.items() if len(labels) > 1]
 
     def _view(self, subject: Subject) -> SubjectView:
         cost, error = self.cost("picture"), lambda p: p.accuracy and p.accuracy.wrong
         best = frontier((cost(p)[0], error(p)) for s in subject.series if s.kind != "control" for p in s.points
                         if _finite(cost(p), error(p)))
-        entries = tuple(Entry(s, p, s.kind != "control" and bool(_finite(cost(p), error(p))) and (cost(p)[0], error(p)) in best)
-                        for s in subject.series for p in s.points)
+        is_best = lambda p: _finite(cost(p), error(p)) and (cost(p)[0], error(p)) in best
+        entries = tuple(Entry(s, p, s.kind != "control" and is_best(p)) for s in subject.series for p in s.points)
         judged = any(p.accuracy for s in subject.series for p in s.points)
         charts = tuple(chart(f"{kind.id}-{slug(subject.id)}", f"{subject.title}: {kind.label}", *self.drawn(subject, kind))
                        for kind in KINDS) if judged else ()
@@ -122,18 +124,18 @@ class Speed:
             number = numbers.setdefault(s.method, len(numbers))
             found = [(cost(p), error(p)) for p in s.points if p.state == "ok" and _finite(cost(p), error(p))]
             if found:
-                lines.append(Line(s.title, [(c[0], e) for c, e in found], number,
-                                  "muted" if s.kind == "control" else "hollow" if hollow else "marks", [c[1:] for c, _ in found]))
+                style = "muted" if s.kind == "control" else "hollow" if hollow else "marks"
+                lines.append(Line(s.title, [(c[0], e) for c, e in found], number, style, [c[1:] for c, _ in found]))
         best = frontier((x, max(y, nothing)) for line in lines if line.style != "muted" for x, y in line.points)
         what = {"picture": f"{self.time} of a whole picture, ms", "evaluations": "evaluations of f, a camera ray",
                 "hits": f"{self.time} of the camera rays’ first hits alone, ms"}[kind.cost]
         points = [point for line in lines for point in line.points]
         label = kind.label if kind.nothing else f"{kind.label} of {parts(subject.pixels)}"
-        return (Axis(what, [v for line in lines for ends in line.spread for v in ends]), Axis(label, [y for _, y in points], nothing, "rounding" if nothing else "none"),
-                lines, best)
+        return (Axis(what, [v for line in lines for ends in line.spread for v in ends]),
+                Axis(label, [y for _, y in points], nothing, "rounding" if nothing else "none"), lines, best)
 
     def growth(self, growth: Growth, second: bool) -> tuple[Axis, Axis, list[Line]]:
-        """How time, or what the study has besides, grows. Threads can only be told apart by the clock on the wall."""
+        """How time, or what the study has besides, grows. What threads save only the clock on the wall shows."""
         of_threads = growth.id == "threads"
         time: Callable[[Times], float] = lambda t: (t.wall if of_threads else getattr(t, self.clock)).median
         lines = [Line(line.label if len(growth.lines) > 1 else "", [

@@ -20,7 +20,8 @@ def attribution(stage="shadow") -> Attribution:
     return Attribution(scene="effect-shadow", a="left", b="right", width=32, height=24, stage=stage,
                        sentence=f"they part at {stage} {HOSTILE}", shown_on="white objects",
                        evidence=[Evidence(stage="camera", questions=["rays?"], outcome="agrees", pixels=768),
-                                 Evidence(stage="shadow", questions=["dark?"], outcome="diverges", pixels=768, diverging=31)],
+                                 Evidence(stage="shadow", questions=["dark?"], outcome="diverges", pixels=768,
+                                          diverging=31)],
                        pixels=[pixel] if stage else [])
 
 

@@ -52,7 +52,8 @@ def test_equal_and_not_finite_are_no_powers_of_ten():
 
 def test_reasons_are_gathered_by_renderer():
     reason, = shown(document()).absent
-    assert (reason.renderer, reason.state.word, reason.state.is_fault) == ("gone", "Refused", False) and len(reason.scenes) == 2
+    assert (reason.renderer, reason.state.word, reason.state.is_fault) == ("gone", "Refused", False)
+    assert len(reason.scenes) == 2
 
 
 def test_the_finding_counts_pairs_and_scenes():

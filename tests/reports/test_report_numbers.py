@@ -30,6 +30,7 @@ def test_near_one_the_digits_are_those_of_the_distance():
     assert (parts(1 - 2.5e-9).text, parts(1 - 2.5e-9).exponent) == (f"1 {MINUS} 2.50", f"{MINUS}9")
 
 
-@pytest.mark.parametrize("value, text", [(0.5, "0.5"), (1e-9, "10⁻⁹"), (-2.51e12, f"{MINUS}2.51{THIN}×{THIN}10¹²"), (None, "–")])
+@pytest.mark.parametrize("value, text", [
+    (0.5, "0.5"), (1e-9, "10⁻⁹"), (-2.51e12, f"{MINUS}2.51{THIN}×{THIN}10¹²"), (None, "–")])
 def test_where_no_markup_is_possible_powers_are_raised_digits(value, text):
     assert str(parts(value)) == text

@@ -50,7 +50,7 @@ def page(folder, tmp_path):
 
 def test_every_plan_is_shown_with_what_it_proves_and_saves(page):
     text = page.read_text()
-    assert "1 of 2 planned scenes keep the tolerance" in text and "Does not keep its tolerance." in text
+    assert "is kept by 1 of 2 planned scenes" in text and "Does not keep its tolerance." in text
     for words in ("no shadow", "withdrawn", "2 values tried", "Resolution 32", "earlier attempt", ">25</span>"):
         assert words in text, words
     assert (page.parent / "images/plans/ball-change.png").exists()

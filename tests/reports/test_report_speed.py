@@ -73,7 +73,8 @@ def test_the_frontier_leaves_out_controls_and_what_is_beaten():
     assert best == [(100, 300), (200, 30), (300, 0)]
     assert found["crude"].style == "muted" and found["crude"].points == [(50, 900)]
     entries = Speed(make_chart(*ALL)).subjects[0].entries
-    assert [(e.series.id, e.point.label) for e in entries if e.best] == [("paper", "h 0.1"), ("paper", "h 0.05"), ("exact", "")]
+    assert [(e.series.id, e.point.label) for e in entries if e.best] == [
+        ("paper", "h 0.1"), ("paper", "h 0.05"), ("exact", "")]
 
 
 def test_an_error_that_rounding_explains_beats_nobody():

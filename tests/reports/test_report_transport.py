@@ -57,7 +57,7 @@ def test_both_sides_and_their_error_on_the_fixed_scale(folder, page):
     pixels = oiio.ImageBuf(str(html / "images/transport/whole-error.png")).get_pixels(oiio.UINT8)
     assert (pixels[2, 3] == scale.TABLE[scale.level(1e-4)]).all() and (pixels[3, 3] == scale.EXACT).all()
     assert (pixels[0] == 96).all()
-    assert re.search(r"Compared are <span class=\"n\">83\.3</span>&#8239;% of the pixels", text)  # 5 of 6 rows
+    assert re.search(r"<span class=\"n\">83\.3</span>&#8239;% of the pixels are compared", text)  # 5 of 6 rows
     assert "1 of 1 agree" in text and "Differs as expected" in text and HOSTILE not in text
     assert "transport.html" in (html / "index.html").read_text(encoding="utf-8")
 
@@ -65,7 +65,7 @@ def test_both_sides_and_their_error_on_the_fixed_scale(folder, page):
 @pytest.mark.parametrize("change, words", [
     ({"planes": None, "state": "crashed", "holds": False, "message": "signal 11"}, "signal 11"),
     ({"planes": "transport/gone.npz"}, "is missing"), ({"planes": "../../etc/passwd"}, "lies outside"),
-    ({"planes": "transport/odd.npz"}, "holds no pictures"), ({"planes": "transport/text.npz"}, "cannot be read")])
+    ({"planes": "transport/odd.npz"}, "holds no picture"), ({"planes": "transport/text.npz"}, "cannot be read")])
 def test_a_case_without_pictures_costs_itself_only(folder, page, change, words):
     planes(folder / "transport" / "whole.npz")
     planes(folder / "transport" / "odd.npz", mitsuba=np.zeros((3, 3, 3)))
