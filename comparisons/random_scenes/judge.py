@@ -112,11 +112,13 @@ class Judge:
             blame("object", f"decided for object {index}, though objects {hit.index} and {hit.rivals} are at one distance")
             return
         if index != hit.index:
-            if NOTHING in (index, hit.index) and any(self._nearby_answers(ray, lambda r: self.oracle.first_hit(r).index == index)):
+            if NOTHING in (index, hit.index) and any(
+                    self._nearby_answers(ray, lambda r: self.oracle.first_hit(r).index == index)):
                 found.rounding += 1
             else:
                 blame("object" if NOTHING not in (index, hit.index) else "hit",
-                      f"object {index} in place of {hit.index}" + (f" at t = {float(hit.t):.17g}, gap {hit.gap:.1e}" if hit.t is not None else ""))
+                      f"object {index} in place of {hit.index}"
+                      + (f" at t = {float(hit.t):.17g}, gap {hit.gap:.1e}" if hit.t is not None else ""))
             return
         if index != NOTHING and not self._geometry(blame, picture, row, column, ray, hit):
             return
@@ -131,7 +133,8 @@ class Judge:
         off = abs(rational(t) - exact)
         allowed = self._allowed_distance(ray, hit, rational(t))
         if off > allowed:
-            blame("distance", f"t = {t:.17g}, exactly {float(hit.t):.17g}, off {float(arb(off)):.1e}, allowed {float(arb(allowed)):.1e}")
+            blame("distance", f"t = {t:.17g}, exactly {float(hit.t):.17g}, off {float(arb(off)):.1e}, "
+                              f"allowed {float(arb(allowed)):.1e}")
             return False
         reach = rational(EPSILON * SPARE) * rational(self.reach + t)
         position = [rational(float(c)) for c in picture.position[row, column]]

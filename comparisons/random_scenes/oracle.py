@@ -306,7 +306,8 @@ class Oracle:
     def __init__(self, scene: dict):
         exactly()
         self.solids = [Solid(o) for o in scene["objects"]]
-        self.lights = [(balls(light["position"]), balls(light.get("brightness", (1, 1, 1)))) for light in scene.get("lights", ())]
+        self.lights = [(balls(light["position"]), balls(light.get("brightness", (1, 1, 1))))
+                       for light in scene.get("lights", ())]
         self.background = balls(scene.get("background", (0, 0, 0)))
         tracing = scene.get("tracing", {})
         self.limit, self.max_depth = rational(tracing.get("max_distance", 30.0)), tracing.get("max_depth", 8)

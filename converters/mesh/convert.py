@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from reference_tracer.errors import InputError
-from reference_tracer.scene.placement import reach_in_frame
 from reference_tracer.scene.model import Object, Scene
+from reference_tracer.scene.placement import reach_in_frame
 from reference_tracer.surfaces import Paraboloid, Plane
 
 from .error import kept, of_triangles, worst
@@ -66,7 +66,7 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
         if before is not None and found < before[1] and resolution > before[0]:
             order = min(2.5, max(0.5, math.log(before[1] / found) / math.log(resolution / before[0])))
         wanted = max(COARSEST, math.ceil(SPARE * resolution * (found / error) ** (1 / order)))
-        if found <= error and wanted >= 0.9 * resolution or found <= EXACT * error:
+        if (found <= error and wanted >= 0.9 * resolution) or found <= EXACT * error:
             return _placed_mesh(placed, vertices, faces, normals_at(placed, vertices, faces), resolution, errors, clipped)
         before = resolution, found
         resolution = max(wanted, resolution + 1) if found > error else wanted

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from reference_tracer.numbers import Dual
-from reference_tracer.scene.placement import rotation_matrix
 from reference_tracer.scene.model import Object
+from reference_tracer.scene.placement import rotation_matrix
 
 from .variant import dr, mi
 

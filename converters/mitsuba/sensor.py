@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference_tracer.tracer.camera import canvas_point, frame
 from reference_tracer.scene.model import Camera
+from reference_tracer.tracer.camera import canvas_point, frame
 
 from .variant import mi
 

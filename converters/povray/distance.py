@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from converters.mesh.placed import Placed
-from reference_tracer.scene.placement import corners, reach
 from reference_tracer.scene.model import Object, Scene
+from reference_tracer.scene.placement import corners, reach
 from reference_tracer.surfaces import Plane
 
 from .cells import holds_everywhere, no_part_of

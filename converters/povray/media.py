@@ -12,8 +12,8 @@ import numpy as np
 
 from converters.mesh.placed import Placed
 from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.placement import corners, is_inside, reach
 from reference_tracer.scene.model import Object, Scene
+from reference_tracer.scene.placement import corners, is_inside, reach
 
 from .cells import enclosed, holds_everywhere
 from .distance import bounds

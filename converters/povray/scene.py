@@ -9,10 +9,10 @@ import numpy as np
 
 from converters.mesh.occupied import tight_box
 from converters.mesh.placed import Placed
-from reference_tracer.tracer.camera import frame
 from reference_tracer.errors import InputError, UnsupportedError
-from reference_tracer.scene.placement import is_inside, reach_in_frame
 from reference_tracer.scene.model import Object, Scene
+from reference_tracer.scene.placement import is_inside, reach_in_frame
+from reference_tracer.tracer.camera import frame
 
 from . import materials, passes, shapes
 from .distance import END, far_shadows, origins, within_distance

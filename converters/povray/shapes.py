@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from converters.mesh.placed import Placed
-from reference_tracer.scene.placement import rotation_matrix
 from reference_tracer.scene.model import Object
+from reference_tracer.scene.placement import rotation_matrix
 from reference_tracer.surfaces import Ellipsoid, Paraboloid, Plane, Sphere, Torus
 
 from .text import function_text

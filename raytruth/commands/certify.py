@@ -128,7 +128,8 @@ def _tell_failure(answer, scene: dict, arguments) -> None:
     what = answer.fault or (f"{len(answer.wrong)} wrong, e.g. {answer.wrong[0]}" if answer.wrong else undecided)
     method = "" if arguments.method == "exact" else f" --method {arguments.method}"
     print(f"{answer.kind} ({', '.join(answer.traits)}): {what}; repeat: "
-          f"raytruth certify --random 1 --seed {answer.seed}{method}; scene: {path}", file=sys.stderr if arguments.json else sys.stdout, flush=True)
+          f"raytruth certify --random 1 --seed {answer.seed}{method}; scene: {path}",
+          file=sys.stderr if arguments.json else sys.stdout, flush=True)
 
 
 def _table(totals) -> str:

@@ -7,8 +7,9 @@ examples:
 
 Every pair of renderers is compared as well; a renderer that the majority contradicts on a scene is the odd one out.
 Each renderer works in a process of its own, under a time limit: a crash costs its own cases. Finished work is kept in
-the results folder and reused; an interrupted run resumes. Results accumulate: what they say of other scenes stays. The exit code is 1 if anything differs or failed,
-or if a worse setting of a renderer passes a limit on the scenes that come closest to it.
+the results folder and reused; an interrupted run resumes. Results accumulate: what they say of other scenes stays.
+The exit code is 1 if anything differs or failed, or if a worse setting of a renderer passes a limit on the scenes that
+come closest to it.
 """
 
 from __future__ import annotations
@@ -22,11 +23,13 @@ from ..arguments import number, require_folder, whole
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
-    parser.add_argument("--renderers", metavar="A,B", help="compare these (default: paper, mitsuba-native, mitsuba-mesh, embree, povray)")
+    parser.add_argument("--renderers", metavar="A,B",
+                        help="compare these (default: paper, mitsuba-native, mitsuba-mesh, embree, povray)")
     parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
     parser.add_argument("--largest", metavar="PIXELS", type=whole(8, 16384), default=640,
                         help="scenes with a longer side are compared at this size (default 640)")
-    parser.add_argument("--limit", metavar="SECONDS", type=number(0.1, 1e6), default=300.0, help="time limit of one run (default 300)")
+    parser.add_argument("--limit", metavar="SECONDS", type=number(0.1, 1e6), default=300.0,
+                        help="time limit of one run (default 300)")
     parser.add_argument("--jobs", metavar="N", type=whole(1, 1024), default=2, help="runs made at the same time (default 2)")
     parser.add_argument("--no-studies", action="store_true", help="leave out the sweeps of resolution and step size")
     parser.add_argument("--fresh", action="store_true", help="drop what the results say of other scenes and renderers")

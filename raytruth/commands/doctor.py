@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -138,10 +139,8 @@ def _answer(command: list[str], seconds: float) -> tuple[int, str]:
         try:
             said, _ = process.communicate(timeout=seconds)
         finally:
-            try:
+            with contextlib.suppress(ProcessLookupError, PermissionError):
                 os.killpg(process.pid, signal.SIGKILL)
-            except (ProcessLookupError, PermissionError):
-                pass
     return process.returncode, said.decode(errors="replace")
 
 

@@ -17,8 +17,8 @@ import time
 from pathlib import Path
 
 from .. import memory
-from ..told import kernels_told
 from ..arguments import size, whole
+from ..told import kernels_told
 
 MUCH = 1 << 22  # rays or steps at most: less than that takes a few seconds at most, and is not estimated
 LONG = 3.0  # seconds from which on an estimate is told
@@ -46,8 +46,8 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     from reference_tracer.errors import InputError
-    from reference_tracer.tracer.image_files import require_writable, save
     from reference_tracer.scene.library import find
+    from reference_tracer.tracer.image_files import require_writable, save
 
     output = Path(arguments.output)
     require_writable(output)  # before the work, not after it

@@ -36,10 +36,10 @@ def run(arguments) -> int:
     import numpy as np
 
     from comparisons.progress import Progress
+    from reference_tracer.scene.library import find
     from reference_tracer.tracer import sensitivity as model
     from reference_tracer.tracer.film import PLANES
     from reference_tracer.tracer.render import render
-    from reference_tracer.scene.library import find
 
     require_file(arguments.output, ".npz")
     scene = resized(find(arguments.scene), arguments.size)

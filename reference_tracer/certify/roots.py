@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 from flint import arb, ctx, fmpq, fmpq_poly, fmpz_poly
@@ -78,7 +79,7 @@ def _real_roots(p: fmpz_poly) -> list[arb]:
 def _sorted(roots: list[Root]) -> list[Root] | None:
     """Ascending; None where two balls overlap."""
     roots = sorted(roots, key=lambda r: r.t.mid().fmpq())
-    return roots if all(a.t < b.t for a, b in zip(roots, roots[1:])) else None
+    return roots if all(a.t < b.t for a, b in itertools.pairwise(roots)) else None
 
 
 def _between(t: arb, limit: fmpq) -> bool | None:

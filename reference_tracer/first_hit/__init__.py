@@ -8,7 +8,7 @@ from __future__ import annotations
 from ..errors import InputError
 from .descartes import Descartes
 from .exact import cheapest_exact
-from .interface import Intersection, FirstHit, LocalRay, Solid
+from .interface import FirstHit, Intersection, LocalRay, Solid
 from .interval import IntervalMethod
 from .paper import Paper
 from .proof import Proof

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import drjit as dr
 
-from .interface import Intersection, FirstHit, LocalRay, Solid
+from .interface import FirstHit, Intersection, LocalRay, Solid
 
 
 class Cascade:

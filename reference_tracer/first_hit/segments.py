@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import drjit as dr
 
-from ..numbers import OutwardInterval
 from .interface import Intersection, LocalRay, Solid
 from .refine import safeguarded_newton
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from typing import Annotated, Literal, Union
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, WrapSerializer, model_validator
 
@@ -28,7 +28,7 @@ def _written(surface, handler):
     return document
 
 
-AnySurface = Annotated[Union[KINDS], Field(discriminator="type"), AfterValidator(Clipped.made), WrapSerializer(_written)]
+AnySurface = Annotated[KINDS, Field(discriminator="type"), AfterValidator(Clipped.made), WrapSerializer(_written)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Intensity = Annotated[float, Field(ge=0, le=1000)]
 Colour = tuple[Fraction, Fraction, Fraction]
@@ -126,7 +126,8 @@ class Tracing(Part):
     """The parameters of sections 4 and 5."""
 
     step_size: StepSize = Field(0.1, description="stepSize of section 4.1")
-    tolerance: Annotated[float, Field(ge=1e-15, le=1)] = Field(1e-12, description="Newton stops at |dt| <= tolerance max(1, |t|)")
+    tolerance: Annotated[float, Field(ge=1e-15, le=1)] = Field(
+        1e-12, description="Newton stops at |dt| <= tolerance max(1, |t|)")
     max_iterations: Annotated[int, Field(ge=1, le=1000)] = 20
     max_distance: Length = Field(30.0, description="where a ray ends")
     max_depth: Annotated[int, Field(ge=0, le=64)] = Field(8, description="generations of secondary rays")

@@ -14,6 +14,7 @@ import operator
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import drjit as dr
 
@@ -182,7 +183,7 @@ def evaluator(tree: Node) -> Callable:
 
     visit(tree)
 
-    def evaluate(point, numbers={}):
+    def evaluate(point, numbers=MappingProxyType({})):
         values: list = []
         for apply, operands in steps:
             values.append(apply(point, numbers, *(values[k] for k in operands)))

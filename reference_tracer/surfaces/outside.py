@@ -8,6 +8,7 @@ certain sign only the end of a cell counts, and the mean value form narrows what
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -197,7 +198,7 @@ def _is_defined_between(surface: Surface, box: np.ndarray, p: Point, q: Point) -
         around[a] = q[a]
         way = [p, corner, around, q]
     shares = np.linspace(0, 1, PIECES + 1)
-    points = np.concatenate([start + (stop - start) * shares[:, None] for start, stop in zip(way, way[1:])]).T
+    points = np.concatenate([start + (stop - start) * shares[:, None] for start, stop in itertools.pairwise(way)]).T
     low, high = np.minimum(points[:, :-1], points[:, 1:]), np.maximum(points[:, :-1], points[:, 1:])
     low, high = low - 1e-15 * np.abs(low), high + 1e-15 * np.abs(high)  # the pieces' ends are rounded
     f_low, f_high, _, _ = _enclosed(surface, np.stack([low, high]), points[:, :-1], derivatives=False)

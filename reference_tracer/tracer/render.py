@@ -12,7 +12,10 @@ import numpy as np
 from ..backend import backend, use_threads
 from ..scene.model import Scene
 from .camera_rays import CameraRays, camera_rays
-from .film import HIT, MISS, PLANES, UNDECIDED, PlaneBuffer
+from .film import HIT as HIT
+from .film import MISS as MISS
+from .film import PLANES, PlaneBuffer
+from .film import UNDECIDED as UNDECIDED
 from .rays import Ray
 from .shading import Interaction
 from .wavefront import MOST_RAYS, Advance, Primary, Wave, Wavefront

@@ -156,8 +156,8 @@ class World:
     def variables(self) -> list:
         """All arrays that kernels read of the world, for recordings of them."""
         canvas, axes, sides = self._camera
-        return [self.max_distance, self.background, self.units_of_color, self.light_count, self._material_columns, self._place_of_object,
-                self._light_columns, [family.variables for family in self.families],
+        return [self.max_distance, self.background, self.units_of_color, self.light_count, self._material_columns,
+                self._place_of_object, self._light_columns, [family.variables for family in self.families],
                 canvas.ratio, canvas.width, canvas.height, self.columns, axes, sides.words]
 
     @cached_property

@@ -6,6 +6,7 @@ Series are named at their lines. Zeros have no place on a logarithmic axis: they
 from __future__ import annotations
 
 import io
+import itertools
 import math
 import re
 from collections.abc import Callable, Sequence
@@ -90,7 +91,7 @@ class Axis:
         if self.step is not None:
             return {v: (self.write or str)(v) for v in np.arange(0, high + self.step / 2, self.step).tolist()}
         distinct = sorted(set(self.positive))
-        apart = all(math.log(b / a) > 0.08 * math.log(high / low) for a, b in zip(distinct, distinct[1:]))
+        apart = all(math.log(b / a) > 0.08 * math.log(high / low) for a, b in itertools.pairwise(distinct))
         found = distinct if self.few and apart and 1 < len(distinct) <= MOST_TICKS else log_ticks(low, high)
         write = self.write or (parts if all(map(is_plain, found)) else power)  # one notation an axis
         return {**({self.place(0): self.zero} if self.has_band else {}), **{v: str(write(v)) for v in found}}
@@ -198,7 +199,7 @@ def _frontier(axes, points: list[tuple[float, float]], end: float) -> None:
 
 def _along(pixels: np.ndarray) -> np.ndarray:
     """The points of a line, and eight more on every piece of it."""
-    pieces = [np.linspace(a, b, 9) for a, b in zip(pixels, pixels[1:])]
+    pieces = [np.linspace(a, b, 9) for a, b in itertools.pairwise(pixels)]
     return np.concatenate([pixels, *pieces])
 
 

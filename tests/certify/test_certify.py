@@ -4,16 +4,15 @@ import json
 
 import numpy as np
 import pytest
-from certify_support import (ClaimsTooMuch, IsOff, SkipsRoots, TakesSideFromSign, breaking, make_scene,
-                             mirror_and_glass, thing)
+from certify_support import ClaimsTooMuch, IsOff, SkipsRoots, TakesSideFromSign, breaking, make_scene, mirror_and_glass, thing
 
-from reference_tracer.tracer import rays, shading, wavefront
 from reference_tracer.backend import backend
 from reference_tracer.certify import certify
 from reference_tracer.certify.text import told
 from reference_tracer.errors import InputError
-from reference_tracer.tracer.camera_rays import camera_wave
 from reference_tracer.surfaces.outside import Outside
+from reference_tracer.tracer import rays, shading, wavefront
+from reference_tracer.tracer.camera_rays import camera_wave
 from reference_tracer.tracer.film import HIT
 from reference_tracer.tracer.render import render
 from reference_tracer.tracer.world import World

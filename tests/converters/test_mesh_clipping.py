@@ -7,8 +7,8 @@ import pytest
 
 from converters.mesh import check
 from converters.povray import convert as convert_to_povray
-from reference_tracer.scene.placement import reach
 from reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Tracing
+from reference_tracer.scene.placement import reach
 from reference_tracer.surfaces import Bounds, Expression, Paraboloid, Plane, Sphere
 
 FLOOR = Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0)

@@ -1,5 +1,7 @@
 """Converted scenes: Mitsuba's intersections against closed forms and against the exact reference."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -7,11 +9,11 @@ from comparisons.renderers.embree import render as render_embree
 from comparisons.renderers.mitsuba import render as render_mitsuba
 from converters.mitsuba import convert, pixel_directions, sensor
 from converters.mitsuba.variant import mi
-from reference_tracer.tracer.camera import canvas_point, frame
 from reference_tracer.errors import InputError
-from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Camera, Material, Object, Rotation, Tracing
 from reference_tracer.surfaces import Bounds, Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from reference_tracer.tracer.camera import canvas_point, frame
+from reference_tracer.tracer.render import render
 
 ASKEW = Camera(position=(0.3, 0.5, -1.0), direction=(0.1, -0.2, 1.0), up=(0.2, 1.0, 0.1), fov=50.0, width=96, height=72)
 
@@ -93,7 +95,7 @@ def test_depth_of_meshes_falls_with_the_square_of_the_resolution(scene_of):
         picture = render_mitsuba(scene, shapes="mesh", resolution=resolution, repeat=False)
         seen = facing & np.isfinite(picture.t)
         errors.append(np.quantile(np.abs(picture.t[seen] - exact.t[seen]), 0.95))
-    assert all(3.4 < coarse / fine < 4.6 for coarse, fine in zip(errors, errors[1:]))
+    assert all(3.4 < coarse / fine < 4.6 for coarse, fine in itertools.pairwise(errors))
 
 
 @pytest.mark.parametrize("camera", [ASKEW, Camera(width=50, height=80, fov=90.0)], ids=["askew", "portrait"])

@@ -1,14 +1,16 @@
 """Surfaces as Mitsuba's grids against the exact reference."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 from comparisons.renderers.mitsuba import render as render_mitsuba
 from converters.mitsuba import convert, document_directions, grid
 from reference_tracer.errors import InputError
-from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Material, Object, Rotation
 from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from reference_tracer.tracer.render import render
 
 TURNED = Rotation(axis=(1.0, 0.2, 0.4), degrees=50.0)
 
@@ -41,7 +43,7 @@ def test_turned_surfaces_of_all_proportions(scene_of, surface):
 def test_errors_fall_with_the_square_of_the_resolution(scene_of, surface):
     scene = scene_of(surface, width=192, height=144)
     errors = [[np.quantile(e, 0.9) for e in compared(scene, n)[:2]] for n in (24, 48, 96)]
-    for coarse, fine in zip(errors, errors[1:]):
+    for coarse, fine in itertools.pairwise(errors):
         assert all(3.2 < a / b < 4.9 for a, b in zip(coarse, fine))
 
 

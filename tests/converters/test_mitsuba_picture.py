@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from comparisons.renderers.mitsuba import render as render_mitsuba
-from reference_tracer.tracer.render import render
 from reference_tracer.scene.model import Camera, Light, Material, Object, Tracing
 from reference_tracer.surfaces import Ellipsoid, Plane, Sphere, Torus
+from reference_tracer.tracer.render import render
 
 FLOOR = Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0)
 ONE_PIXEL = {"width": 1, "height": 1}

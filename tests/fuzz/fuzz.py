@@ -118,9 +118,7 @@ class Worker:
                 code = "memory"
             elif ESTIMATE.search(said) and PROGRESS.search(said):
                 code = "told"
-            elif work - started > SILENCE and not (PROGRESS.search(said) and (ESTIMATE.search(said) or LEFT.search(said))):
-                code = "silent"
-            elif work - started > LONGEST:
+            elif (work - started > SILENCE and not (PROGRESS.search(said) and (ESTIMATE.search(said) or LEFT.search(said)))) or work - started > LONGEST:
                 code = "silent"
             elif time.monotonic() - heard > STUCK:
                 code = "stuck"

@@ -70,5 +70,5 @@ def test_the_watch_over_a_worker(worker, monkeypatch, body, code):
     watched = worker.obeys(f"def main(arguments):\n    {body}\n")
     assert watched.run(fuzz_inputs.Input(0, "", ["render"])).code == code
     watched = worker.obeys("def main(arguments):\n    return 0\n")
-    if watched.process is None or isinstance(code, str) and code not in ("traceback",):
+    if watched.process is None or (isinstance(code, str) and code not in ("traceback",)):
         assert watched.run(fuzz_inputs.Input(0, "", ["render"])).code == 0

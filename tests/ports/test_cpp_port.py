@@ -6,8 +6,8 @@ import pytest
 from comparisons.bench import port
 from converters.plain import plain
 from reference_tracer.errors import MissingError, UnsupportedError
-from reference_tracer.tracer.render import render
 from reference_tracer.scene import library
+from reference_tracer.tracer.render import render
 from reference_tracer.tracer.sensitivity import sensitivity
 
 AGREE = 1e-9

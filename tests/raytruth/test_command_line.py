@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -254,7 +255,7 @@ def test_doctor_leaves_nothing_of_a_program_that_hangs(tmp_path, monkeypatch):
     assert not finding.found and "gave no answer within" in finding.detail
     child = (tmp_path / "child").read_text().strip()
     deadline = time.monotonic() + 30  # whoever inherits the child may reap it a moment later
-    while os.path.exists(f"/proc/{child}") and "Z" not in open(f"/proc/{child}/stat").read().rpartition(")")[2].split()[0]:
+    while os.path.exists(f"/proc/{child}") and "Z" not in Path(f"/proc/{child}/stat").read_text().rpartition(")")[2].split()[0]:
         assert time.monotonic() < deadline, "a child of the program lives on"
         time.sleep(0.05)
 

@@ -266,6 +266,6 @@ def test_N1_a_normal_does_not_depend_on_the_scale_of_f(factor, method):
 @pytest.mark.parametrize("text", ["1e308*sin(400 - 100*z)", "1e-310*(4 - z)"])
 def test_N1_where_the_gradient_leaves_the_floats_a_pixel_is_undecided(text, as_written):
     """Gradients of 1e310, where f itself is finite, and of 1e-310; the literal method meets both at z = 4."""
-    near = dict(camera={"position": [0, 0, 3.9995]}, step_size=0.0002, max_distance=0.01) if "308" in text else {}
+    near = {"camera": {"position": [0, 0, 3.9995]}, "step_size": 0.0002, "max_distance": 0.01} if "308" in text else {}
     picture = render(make_scene(formula(text), lights=[((0, 0, 0), (1, 1, 1))], **near), "paper")
     assert picture.index.tolist() == [[0]] and picture.status.tolist() == [[UNDECIDED]]

@@ -12,11 +12,11 @@ from tracing_support import make_scene, thing
 
 from reference_tracer.backend import backend
 from reference_tracer.errors import InputError
-from reference_tracer.tracer.render import UNDECIDED, render
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.formula import FUNCTIONS
 from reference_tracer.surfaces.formula_parser import LARGEST_EXPONENT
+from reference_tracer.tracer.render import UNDECIDED, render
 
 POINTS = [(0.7, -1.3, 2.1), (-0.4, 0.9, 0.3), (1.5, 2.5, -0.8)]
 NAMES = {name: getattr(math, name) for name in ("sqrt", "sin", "cos", "tan", "exp", "log", "pi")} | {

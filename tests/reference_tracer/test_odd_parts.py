@@ -10,12 +10,12 @@ from tracing_support import make_scene, shine, shoot, thing
 
 from reference_tracer.certify.line import follow, ray_polynomial
 from reference_tracer.numbers.exact import RationalPolynomial
-from reference_tracer.tracer.render import UNDECIDED, render
 from reference_tracer.surfaces import Expression
 from reference_tracer.surfaces.exact_polynomial import polynomial
 from reference_tracer.surfaces.expression import forms_of
 from reference_tracer.surfaces.formula import FormulaError
 from reference_tracer.surfaces.formula_parser import parse_formula
+from reference_tracer.tracer.render import UNDECIDED, render
 
 BALL = "(x**2 + y**2 + z**2 - 1)"
 SMALL = "((x - 10)**2 + (y - 3)**2 + z**2 - 0.01)"
@@ -186,7 +186,7 @@ def test_exact_arithmetic_decides_by_f_as_written(formula, degree):
     """So that a wrong form would be found out: the reduction is judged, not assumed."""
     surface = Expression(formula=formula)
     g = ray_polynomial(surface, (0.1, 0.2, -4.0), (0.0, 0.0, 1.0)).p
-    assert g.degree() == degree and surface.degree < degree or degree == 2
+    assert (g.degree() == degree and surface.degree < degree) or degree == 2
     line = follow(surface, (0.1, 0.2, -4.0), (0.0, 0.0, 1.0), bool(surface(0.1, 0.2, -4.0) < 0), 9.0)
     found = shoot(make_scene(thing("expression", formula=formula)), (0.1, 0.2, -4.0), (0, 0, 1))
     assert float(line.first) == pytest.approx(found.t[0], rel=1e-14)

@@ -5,8 +5,8 @@ import pytest
 from tracing_support import follow, make_scene, thing, unit
 
 from reference_tracer.backend import backend
-from reference_tracer.tracer.render import render
 from reference_tracer.tracer.optics import reflect, refract
+from reference_tracer.tracer.render import render
 
 METHODS = ("paper", "exact")
 SIZE = (9, 7)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from reference_tracer.tracer.render import render
 from reference_tracer.scene.library import scene
+from reference_tracer.tracer.render import render
 from reference_tracer.tracer.sensitivity import FLOOR_UNITS, SAFETY, UNIT, perturbed, sensitivity
 
 MOST_OUTSIDE = 1  # one pixel in ten thousand; the pictures have 12 288

@@ -12,7 +12,6 @@ from reference_tracer.numbers import Dual, OutwardInterval
 from reference_tracer.scene.placement import is_inside, rotation_matrix
 from reference_tracer.surfaces import Ellipsoid, Heart, Paraboloid, Plane, Sphere, Torus
 
-
 SURFACES = {
     "plane": Plane(a=1.0, b=-2.0, c=0.5), "sphere": Sphere(r=1.5), "ellipsoid": Ellipsoid(a=0.5, b=2.0, c=1.25),
     "torus": Torus(R=2.0, r=0.5), "spindle": Torus(R=0.5, r=1.0), "paraboloid": Paraboloid(a=0.75, b=1.5),

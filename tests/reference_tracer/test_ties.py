@@ -69,7 +69,7 @@ def test_M4_the_order_of_the_scene_counts_and_not_that_of_families_or_clusters(m
     balls = [make[kind](c.tolist()) for kind in kinds for c in places]
     d = unit(places + random.uniform(-0.15, 0.15, (40, 3)))
     found = shoot(make_scene(*balls, step_size=0.05), (0, 0, 0), d, method)
-    assert found.index.tolist() == list(range(40)) or method == "paper" and np.all(found.index % 40 == np.arange(40))
+    assert found.index.tolist() == list(range(40)) or (method == "paper" and np.all(found.index % 40 == np.arange(40)))
     assert np.all(found.undecided == (method != "paper"))
     twice = make_scene(*balls[:40], *balls[:40], step_size=0.05)
     assert shoot(twice, (0, 0, 0), d, method).index.tolist() == list(range(40))

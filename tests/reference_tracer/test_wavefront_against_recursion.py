@@ -11,8 +11,8 @@ from closed_forms import Exact
 from tracing_support import make_scene, thing
 
 from reference_tracer.oracle import literal
-from reference_tracer.tracer.render import render
 from reference_tracer.scene import library
+from reference_tracer.tracer.render import render
 
 TOLERANCE = 1e-12
 

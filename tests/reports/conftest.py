@@ -8,9 +8,9 @@ import pytest
 from report_support import ERROR_AT, HEIGHT, MISMATCH_AT, NAN_AT, UNDECIDED_AT, WIDTH, make_results
 
 from comparisons import results as documents
+from reference_tracer.scene import library
 from reference_tracer.tracer.image_files import save_npz
 from reference_tracer.tracer.render import UNDECIDED, Picture, render
-from reference_tracer.scene import library
 
 
 @pytest.fixture(scope="session")

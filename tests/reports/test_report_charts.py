@@ -1,5 +1,6 @@
 """Charts: where their marks stand, what is named, and that nothing of a file of its own stays in the page."""
 
+import itertools
 import re
 
 import pytest
@@ -19,7 +20,7 @@ def drawn(*lines: Line, nothing=0.0, few=False, **more) -> str:
 
 def test_a_power_law_is_a_straight_line_that_falls():
     points = marks_of(drawn(Line("law", [(x, 3 * x**-2.0) for x in (32.0, 64.0, 100.0, 256.0)])), "a-0")
-    slopes = [(d - b) / (c - a) for (a, b), (c, d) in zip(points, points[1:])]
+    slopes = [(d - b) / (c - a) for (a, b), (c, d) in itertools.pairwise(points)]
     assert max(slopes) - min(slopes) < 1e-2 * abs(slopes[0])
     assert points[0][1] < points[-1][1]  # coordinates run downwards: an error that falls goes down
 
@@ -41,7 +42,7 @@ def test_errors_that_are_none_stand_in_a_band_below_the_axis_and_others_above_it
 def test_series_in_the_band_do_not_hide_each_other():
     svg = drawn(*(Line(f"m{k}", [(1.0, 0.0), (2.0, 5.0)], k) for k in range(5)))
     y = sorted(marks_of(svg, f"a-{k}")[0][1] for k in range(5))
-    assert min(b - a for a, b in zip(y, y[1:])) >= 8
+    assert min(b - a for a, b in itertools.pairwise(y)) >= 8
 
 
 def test_every_series_is_named_inside_the_drawing_and_apart_from_the_others():

@@ -9,12 +9,19 @@ from report_support import ERROR_AT, make_results
 import reports
 from comparisons import results as documents
 from comparisons.results import Effect
-from reference_tracer.tracer.image_files import to_8_bit
 from reference_tracer.scene import library
+from reference_tracer.tracer.image_files import to_8_bit
 from reports.cases import effects
 from reports.figures import scale
-from reports.pages.decisions import (Decision, by_decision, last_printed_angle, printed_direction, refracted,
-                                     refraction_chart, refraction_curves)
+from reports.pages.decisions import (
+    Decision,
+    by_decision,
+    last_printed_angle,
+    printed_direction,
+    refracted,
+    refraction_chart,
+    refraction_curves,
+)
 
 DECISIONS = [Decision("C2", "5", "q", "d"), Decision("E1", "4", "q", "d"), Decision("M6", "4", "q", "d")]
 

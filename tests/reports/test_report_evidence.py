@@ -6,8 +6,17 @@ from report_support import HOSTILE, make_results
 import reports
 from comparisons import document
 from comparisons import results as documents
-from comparisons.attribution.document import (FILE, Attribution, Evidence, History, Judgement, Ray, Table, WorstPixel,
-                                             WrongOnPurpose)
+from comparisons.attribution.document import (
+    FILE,
+    Attribution,
+    Evidence,
+    History,
+    Judgement,
+    Ray,
+    Table,
+    WorstPixel,
+    WrongOnPurpose,
+)
 from reference_tracer.scene import library
 from reports.pages.evidence import CHECKED, PREFIX
 

@@ -63,7 +63,7 @@ ALL = (STEPS, EXACT, CRASHED, CRUDE)
 def lines(document: Chart, kind="wrong"):
     """The lines of the first subject's chart of that kind, and its frontier."""
     speed = Speed(document)
-    x, y, found, best = speed.drawn(document.subjects[0], next(k for k in KINDS if k.id == kind))
+    _x, _y, found, best = speed.drawn(document.subjects[0], next(k for k in KINDS if k.id == kind))
     return {line.label: line for line in found}, best
 
 

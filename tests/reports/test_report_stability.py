@@ -8,9 +8,17 @@ from report_support import HOSTILE, make_results, marks_of
 
 import reports
 from comparisons.stability import document as documents
-from comparisons.stability.document import KINDS
-from comparisons.stability.document import (FamilyRecord, Finding, LawPoint, LawRecord, MethodRecord, Point, Series,
-                                           Stability)
+from comparisons.stability.document import (
+    KINDS,
+    FamilyRecord,
+    Finding,
+    LawPoint,
+    LawRecord,
+    MethodRecord,
+    Point,
+    Series,
+    Stability,
+)
 from reference_tracer.errors import InputError
 from reference_tracer.scene import library
 from reports.build import STATIC, environment, static
@@ -98,7 +106,7 @@ def test_a_law_runs_from_easy_to_hard_and_a_zero_lies_beyond_the_axis():
     assert x[1] - x[0] == pytest.approx(x[2] - x[1], abs=0.05)  # 0.1, 0.01, 0.001: equal ratios
     assert x[3] > x[2]  # p = 0
     assert y[1] == pytest.approx(y[0] + 0.25 * (y[2] - y[0]), abs=0.05)  # a quarter stands a quarter of the way up
-    theory, bars, measured = law_lines([law()])
+    _theory, bars, _measured = law_lines([law()])
     assert all(low < high for low, high in bars.spread) and bars.points[1] == (0.01, 0.3)
 
 
