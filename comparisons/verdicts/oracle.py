@@ -80,7 +80,7 @@ def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, fl
     """How the literal method's picture of `scene` stands to its oracle, and why it differs from exact intersections.
 
     A pixel on which the two disagree is excused if rounding may move its colour as far; one that hits something else, or
-    elsewhere, only if rounding may visibly change what it shows.
+    elsewhere, only where rounding may change what rays of it or of its neighbours meet.
     """
     asked = shown(scene, chosen(scene, truth, test))
     pixels = asked["pixels"]
@@ -98,7 +98,8 @@ def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, fl
             near &= (index != asked["index"]) | (index < 0) | (np.abs(t - asked["t"]) <= limits.t_jump.ravel()[pixels])
         elsewhere = np.flatnonzero(apart & ~same & (index == asked["index"]) & (index >= 0))
         same[elsewhere] = np.abs(t[elsewhere] - asked["t"][elsewhere]) <= SAFETY * _shift_by_rounding(scene, pixels[elsewhere])
-        excused = apart & (same & (error <= limits.color.ravel()[pixels]) | near & (error <= limits.color_jump.ravel()[pixels]))
+        apart &= ~(same & (error <= limits.color.ravel()[pixels]))  # ill-conditioned, and beside no edge: no excuse is needed
+        excused = apart & (same | near) & (error <= limits.color_jump.ravel()[pixels])
     counted = error[apart & ~excused]
     wrong = differing(truth, test).ravel()
     return {"oracle pixels": len(pixels), "oracle mismatches": int((apart & ~excused).sum()),
