@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Union
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, WrapSerializer, model_validator
 
@@ -20,7 +20,6 @@ MOST_PIXELS = 2**26
 MOST_STEPS = 1_000_000
 
 
-
 def _written(surface, handler):
     document = handler(surface.written if isinstance(surface, Clipped) else surface)
     if document.get("clip", ...) is None:
@@ -28,7 +27,8 @@ def _written(surface, handler):
     return document
 
 
-AnySurface = Annotated[KINDS, Field(discriminator="type"), AfterValidator(Clipped.made), WrapSerializer(_written)]
+AnySurface = Annotated[Union[KINDS], Field(discriminator="type"), AfterValidator(Clipped.made),  # noqa: UP007
+                       WrapSerializer(_written)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Intensity = Annotated[float, Field(ge=0, le=1000)]
 Colour = tuple[Fraction, Fraction, Fraction]
