@@ -100,7 +100,8 @@ def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dic
     """How many pixels differ, and in which plane first, how many are excused, and how many could be at most.
 
     A pixel differs if any of its planes is beyond its limit, unless rounding, or the errors of surfaces, explain it: an
-    edge runs through the pixel or beside it, and what is shown is what the reference itself shows when it is perturbed.
+    edge runs through the pixel or beside it. It is excused if what is shown is what the reference itself shows when it is
+    perturbed, and unforeseen if it is not: a further picture exceeds all of n in a pixel with probability 1 / (n + 1).
     """
     excusable = largest_around(limits.risk) > 0
     met = (a["index"] == b["index"]) & (a["index"] >= 0)
@@ -122,12 +123,13 @@ def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dic
              "color": (off["color"] <= room["color"][0], off["color"] <= room["color"][1])}
     within = np.logical_and.reduce([w for w, _ in kinds.values()])
     explained = excusable & np.logical_and.reduce([w | e for w, e in kinds.values()])
-    wrong, left = limits.decided & ~within & ~explained, np.ones_like(within)
+    wrong, left = limits.decided & ~within & ~excusable, np.ones_like(within)
     found: dict[str, float | int | None] = {
         "differing pixels": int(wrong.sum()), "excused pixels": int((limits.decided & ~within & explained).sum()),
+        "unforeseen pixels": int((limits.decided & ~within & ~explained & excusable).sum()),
         "undecided pixels": int((~limits.decided).sum()), "pixels at risk": int((limits.risk > 0).sum())}
-    for kind, (w, e) in kinds.items():
-        here = wrong & left & ~(w | (e & excusable))
+    for kind, (w, _) in kinds.items():
+        here = wrong & left & ~w
         left &= ~here
         if here.any():
             found[f"differing in {kind}"] = int(here.sum())

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from reference_tracer.tracer.sensitivity import PROBES
+
 from ..results import Gate, Verdict
 from .tolerances import Tolerance
 
@@ -48,6 +50,9 @@ def judge(metrics: Metrics, tolerance: Tolerance, exact: Tolerance) -> tuple[Ver
         _gate("excused pixels", metrics.get("excused pixels"), at_risk, "pixels",
               "pixels that show what lies on the other side of an edge beside them; no more than the reference itself has at "
               "the mercy of rounding and of such errors"),
+        _gate("unforeseen pixels", metrics.get("unforeseen pixels"), (at_risk or 0) // (PROBES + 1), "pixels",
+              f"pixels beside edges that show what none of {PROBES} perturbed pictures shows there: one more does so with "
+              f"probability 1 / {PROBES + 1}"),
         _gate("undecided pixels", metrics.get("undecided pixels"), at_risk, "pixels",
               "pixels that the reference itself leaves open: they judge nobody; no more than rounding explains"),
         _gate("depth p99", metrics["depth p99"], tolerance.depth_p99, "relative",

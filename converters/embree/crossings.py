@@ -67,7 +67,8 @@ class EmbreeIntersector:
             if len(here):
                 facet[here] = solid.facets[triangle[here]]
                 normal[here] = solid.normal(start.o[here] + t[here, None] * d[here], triangle[here])
-        against = np.einsum("ij,ij->i", d, normal) > 0
+        # by the facet: at a rim the interpolated normal may point either way
+        against = np.einsum("ij,ij->i", d, facet) > 0
         normal[against] *= -1
         return EmbreeHit(t, index, facet, normal, lost)
 

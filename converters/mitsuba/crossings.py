@@ -67,7 +67,8 @@ class MitsubaIntersector:
         hit = self._first_hit(o, d, sides, active)
         if self.refinement:
             hit.t, hit.p, hit.normal = self.refinement.refined(o, d, hit.t, hit.normal, hit.index, hit.met)
-        hit.normal = dr.select(dr.dot(d, hit.normal) > 0, -hit.normal, hit.normal)
+        # by the facet: at a rim the interpolated normal may point either way
+        hit.normal = dr.select(dr.dot(d, hit.facet) > 0, -hit.normal, hit.normal)
         return hit
 
     @dr.syntax

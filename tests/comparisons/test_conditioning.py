@@ -38,10 +38,11 @@ def test_a_pixel_is_held_to_the_errors_of_the_objects_on_its_path(kept, truth):
     """The ball is a mesh, the floor is exact: where no ray meets the ball, limits are those of rounding."""
     rounding, meshed = limits(SCENE, Accuracy(32), kept), limits(SCENE, Accuracy(32, (1e-3, 0.0), (0.0, 0.0)), kept)
     inner = module.largest_around(meshed.risk) == 0
-    away, ball = inner & ~meshed.touched & (truth["index"] == FLOOR), inner & (truth["index"] == BALL)
+    # the limit of a pixel is the largest around it
+    away, ball = inner & (module.largest_around(meshed.touched) == 0) & (truth["index"] == FLOOR), inner & (truth["index"] == BALL)
     assert away.sum() > 100 and ball.sum() > 100
-    assert (meshed.color[away] < 1e-5).all() and (meshed.t[away] < 2 * rounding.t[away] + 1e-6).all()
-    assert (meshed.t[ball] > 1e-3).all() and (rounding.t[ball] < 1e-4).all()
+    assert (meshed.color[away] <= 1.01 * rounding.color[away]).all() and (meshed.t[away] <= 1.01 * rounding.t[away]).all()
+    assert (meshed.t[ball] > 10 * rounding.t[ball]).all() and (meshed.t[ball] > 1e-3).all()
 
 
 def test_a_displaced_surface_stays_within_its_limits_and_one_farther_off_does_not(kept, truth):
@@ -75,7 +76,7 @@ def test_an_edge_excuses_what_is_seen_on_its_other_side_alone(kept, truth, seen,
     test = copied(truth)
     test["index"][row, col] = other
     found = apart(truth, test, held)
-    assert found["differing pixels"] == differs and found["excused pixels"] == 1 - differs
+    assert found["unforeseen pixels"] == differs and found["excused pixels"] == 1 - differs and not found["differing pixels"]
 
 
 def test_limits_are_measured_once_and_made_again_where_they_are_truncated(tmp_path, monkeypatch):

@@ -162,7 +162,7 @@ def test_normals_are_compared_by_angle(planes):
 def test_nothing_measured_where_something_should_have_been_does_not_hold(planes):
     measured = measured_on(planes, planes)
     assert judge(measured, NATIVE, NATIVE)[0] == "agrees"
-    for name in ("depth p99", "color p99", "differing pixels", "excused pixels", "undecided pixels"):
+    for name in ("depth p99", "color p99", "differing pixels", "excused pixels", "unforeseen pixels", "undecided pixels"):
         verdict_, reason, _ = judge({**measured, name: None}, NATIVE, NATIVE)
         assert verdict_ == "differs" and f"{name} is nothing" in reason
     assert judge({**measured, "depth p99": None, "interior hit pixels": 0}, NATIVE, NATIVE)[0] == "agrees"  # nothing is hit

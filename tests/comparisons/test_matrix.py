@@ -91,7 +91,7 @@ class Numbers:
 
     def of(self, pair):
         zero = {"pixels": 1000, "interior hit pixels": 100, "not finite": 0, "depth p99": 0.0, "color p99": 1e-4, "differing pixels": 0,
-                "excused pixels": 0, "undecided pixels": 0, "pixels at risk": 0}
+                "excused pixels": 0, "unforeseen pixels": 0, "undecided pixels": 0, "pixels at risk": 0}
         return Measured(metrics={**zero, "color p99": self.worse} if pair.second.settings["resolution"] == 128 else zero)
 
 
