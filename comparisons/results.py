@@ -152,7 +152,8 @@ def joined(earlier: Results | None, results: Results) -> Results:
     found = document.joined(earlier, results, about, scenes)
     return document.joined(earlier, found.model_copy(update={"series": [
         _longer(old, new) for new in results.series
-        for old in [next((s for s in (earlier.series if earlier else ()) if s.id == new.id), None)]]}), {"series": lambda s: s.id})
+        for old in [next((s for s in (earlier.series if earlier else ()) if s.id == new.id), None)]]}),
+        {"series": lambda s: s.id})
 
 
 def _longer(old: Series | None, new: Series) -> Series:

@@ -70,7 +70,7 @@ def requests(scenes: Sequence[Scene], names: Sequence[str]) -> list[Request]:
 def tightness(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run],
               measurements: Measurements) -> list[Tightness]:
     """Every limit that something worse than a renderer in `names` tests."""
-    return [row for held in HELD if held.among(names) 
+    return [row for held in HELD if held.among(names)
             for row in _rows(held, _studied(scenes), runs, measurements)]
 
 

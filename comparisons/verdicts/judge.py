@@ -17,7 +17,8 @@ def literal(metrics: Metrics, step_size: float) -> tuple[Verdict, str, list[Gate
     intersections, that is its nature."""
     asked, wrong = metrics["oracle pixels"], metrics["differing pixels"]
     gates = [_gate("oracle mismatches", metrics["oracle mismatches"], 0, "pixels",
-                   f"of {asked} pixels asked for, those on which the recursive tracer shows another object, distance or colour"),
+                   f"of {asked} pixels asked for, those on which the recursive tracer shows another object, distance or "
+                   "colour"),
              _gate("oracle excused pixels", metrics["oracle excused pixels"], metrics["pixels at risk"], "pixels",
                    "pixels on which the two differ by no more than rounding may change; no more than rounding changes")]
     if broken := [gate for gate in gates if not gate.holds]:

@@ -103,7 +103,8 @@ def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, fl
     counted = error[apart & ~excused]
     wrong = differing(truth, test).ravel()
     return {"oracle pixels": len(pixels), "oracle mismatches": int((apart & ~excused).sum()),
-            "oracle excused pixels": int(excused.sum()), "pixels at risk": at_risk, "oracle color max": float(counted.max(initial=0.0)),
+            "oracle excused pixels": int(excused.sum()), "pixels at risk": at_risk,
+            "oracle color max": float(counted.max(initial=0.0)),
             "differing pixels": int(wrong.sum()), "differing pixels asked": int(wrong[pixels].sum()),
             **{f"cause: {cause}": count for cause, count in causes(scene, truth, test, pixels[wrong[pixels]]).items()}}
 

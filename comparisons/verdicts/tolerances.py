@@ -73,7 +73,7 @@ def tolerance_of(run: Run, exact: bool = False) -> Tolerance:
 
 def accuracy_of(run: Run) -> Accuracy | None:
     """What single pixels of a run are held to; None where its errors are not measurable, and of the reference, the truth."""
-    if run.settings.get("method") and run.facts.get("precision", 64) == 64 or None in run.errors:
+    if (run.settings.get("method") and run.facts.get("precision", 64) == 64) or None in run.errors:
         return None
     exact = {}
     if tolerance_of(run) is ORACLE:
@@ -117,7 +117,8 @@ def table() -> Iterator[Limit]:
         for name, unit in units.items():
             yield Limit(f"{tolerance.name}: {name}", getattr(tolerance, name), unit, "measured", MEASURED)
     yield Limit("POV-Ray: colour, primitives", ANALYTICAL, "of the brightest colour", "derived", "2^-16 and its rounding")
-    yield Limit("POV-Ray: normals, primitives", STEPS_OF_NORMALS, "length", "derived", "sqrt(3) 2 / 2^16, rounded up to 4 / 2^16")
+    yield Limit("POV-Ray: normals, primitives", STEPS_OF_NORMALS, "length", "derived",
+                "sqrt(3) 2 / 2^16, rounded up to 4 / 2^16")
     for what, value in (("colour", NUMERICAL), ("normals", NUMERICAL_NORMALS)):
         yield Limit(f"POV-Ray: {what}, isosurfaces", value, "of the brightest colour" if what == "colour" else "length",
                     "measured", "raytruth compare --renderers povray-isosurface")

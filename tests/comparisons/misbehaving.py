@@ -48,7 +48,7 @@ def render(scene, *, way: str, note: str = "") -> Picture:
         stubborn = "import os, signal, sys, time; signal.signal(signal.SIGTERM, signal.SIG_IGN); os.fork(); " \
                    "open(sys.argv[1], 'a').write(f'{os.getpid()}\\n'); time.sleep(120)"
         subprocess.Popen([sys.executable, "-c", stubborn, note])
-        while not os.path.exists(note) or len(open(note).read().split()) < 2:
+        while not os.path.exists(note) or len(Path(note).read_text().split()) < 2:
             time.sleep(0.01)
     match way:
         case "segfault":

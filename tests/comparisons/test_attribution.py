@@ -12,8 +12,8 @@ from comparisons.attribution.document import STAGES
 from comparisons.attribution.measure import attribute, of_fault, of_renderer
 from comparisons.attribution.stages import Pictures
 from reference_tracer.errors import InputError
-from reference_tracer.tracer.render import render
 from reference_tracer.scene import library
+from reference_tracer.tracer.render import render
 
 ISSUE = {"y-flipped": "camera", "normal-not-turned": "normal", "shadow-once": "shadow", "as-printed": "refraction",
          "no-1-minus-r": "mixing"}

@@ -7,12 +7,12 @@ from workers import MISBEHAVING
 
 from comparisons import renderers, suite
 from comparisons.agreement import records, tightness
-from comparisons.verdicts.tolerances import DOUBLE, MESH, NATIVE, TRACERS, Tolerance, between
 from comparisons.execution import pool
 from comparisons.execution.pool import Silent
 from comparisons.results import Run
 from comparisons.runs import Request
 from comparisons.verdicts.pairs import Measured
+from comparisons.verdicts.tolerances import DOUBLE, MESH, NATIVE, TRACERS, Tolerance, between
 from reference_tracer.errors import InputError
 from reference_tracer.scene.load import parse_scene
 

@@ -13,9 +13,9 @@ from comparisons.execution.store import Store
 from comparisons.verdicts import oracle
 from comparisons.verdicts.judge import literal
 from raytruth.cli import main
-from reference_tracer.tracer.render import render
 from reference_tracer.scene import library
 from reference_tracer.scene.load import parse_scene
+from reference_tracer.tracer.render import render
 
 # a mirror and a matte ball over a floor; steps of 0.7 miss rims and shadows
 SCENE = parse_scene(json.dumps({

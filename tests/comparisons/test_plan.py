@@ -14,8 +14,8 @@ from comparisons.planning.search import Decision, Search, Yardstick, deciding
 from raytruth.cli import main
 from raytruth.commands.plan import FEWEST_TURNS, text
 from reference_tracer.errors import InputError
-from reference_tracer.tracer.render import render
 from reference_tracer.scene.load import load_scene
+from reference_tracer.tracer.render import render
 
 TOLERANCE = 1e-3
 

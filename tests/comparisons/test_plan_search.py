@@ -6,8 +6,19 @@ import numpy as np
 import pytest
 from planning_support import BALL, FLOOR, HEIGHT, REFLECTION, WIDTH, corridor, scene, searching
 
-from comparisons.planning.decisions import (cheapest, cutoff, effects, first_hit, max_distance, objects, precision,
-                                            recursion_depth, removable, samples, shadows)
+from comparisons.planning.decisions import (
+    cheapest,
+    cutoff,
+    effects,
+    first_hit,
+    max_distance,
+    objects,
+    precision,
+    recursion_depth,
+    removable,
+    samples,
+    shadows,
+)
 from comparisons.planning.search import MOST_EXCUSED, OutOfTime, RayStatistics, Yardstick, deciding
 
 EVERY = np.ones((HEIGHT, WIDTH), bool)

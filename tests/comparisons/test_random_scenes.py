@@ -12,8 +12,8 @@ from comparisons.random_scenes import grammar, suite, worker
 from comparisons.random_scenes.arithmetic import Formula, Taylor, rational
 from comparisons.random_scenes.oracle import NOTHING, NotDefined, Oracle, Unsettled, exactly
 from raytruth.cli import main
-from reference_tracer.tracer.families import Member
 from reference_tracer.first_hit import bounded_quadric, segments
+from reference_tracer.tracer.families import Member
 from reference_tracer.tracer.rays import Sides
 from reference_tracer.tracer.world import World
 
@@ -161,7 +161,7 @@ def test_a_method_that_decides_nothing_does_not_hold(monkeypatch):
 
 def test_a_kind_holds_if_its_scenes_together_do(monkeypatch, capsys):
     """One hit of a hundred and one may be undecided; two are too many, and the scene with most of them is named."""
-    counts = lambda hits, undecided: dict(pixels=16, hits=hits, undecided_hits=undecided, avoidable_hits=undecided)
+    counts = lambda hits, undecided: {"pixels": 16, "hits": hits, "undecided_hits": undecided, "avoidable_hits": undecided}
     answers = [suite.Answer(1, "sines", [], counts=counts(16, 1)), suite.Answer(2, "sines", [], counts=counts(85, 0))]
     monkeypatch.setattr(suite, "run", lambda *how: iter(answers))
     assert main(["certify", "--random", "2"]) == 0

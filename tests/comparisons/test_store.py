@@ -87,7 +87,7 @@ def test_a_writer_that_is_killed_leaves_what_was_there_and_its_rest_goes_with_th
 
 
 def test_a_full_disk_is_one_sentence(tmp_path):
-    with pytest.raises(UnwritableError, match="file: cannot be written .No space left on device.; make room") as told:
+    with pytest.raises(UnwritableError, match="file: cannot be written .No space left on device.; make room") as told:  # noqa: SIM117
         with atomically(tmp_path / "file") as part, open("/dev/full", "w") as full:  # every write there finds no room
             part.write_text("")
             full.write("x" * 100_000)

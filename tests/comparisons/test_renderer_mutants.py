@@ -25,7 +25,7 @@ def kept(tmp_path_factory):
 @pytest.mark.parametrize("name", MUTANTS)
 def test_a_mutant_differs_and_its_stage_is_named(name, kept):
     mutant = MUTANTS[name]
-    verdict, reason, gates = verdict_on(SCENE, name, mutant.make(SCENE), right(SCENE), kept)
+    verdict, reason, _gates = verdict_on(SCENE, name, mutant.make(SCENE), right(SCENE), kept)
     assert verdict == "differs", reason
     if mutant.stage:
         found = attribute(SCENE, right, mutant.make)
