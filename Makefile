@@ -23,7 +23,11 @@ report: $(VENV)/installed
 	@echo "open reports/html/index.html"
 
 test: $(VENV)/installed
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
+
+check: $(VENV)/installed
+	$(BIN)/ruff check .
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 fuzz: $(VENV)/installed
 	$(BIN)/python tests/fuzz/fuzz.py --inputs 5000
