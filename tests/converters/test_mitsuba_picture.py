@@ -136,7 +136,8 @@ def test_native_picture(scene_of):
     assert (picture.depth == exact.depth).mean() > 0.999
     facts = picture.metadata
     assert facts["native_shapes"] == 4 and facts["triangles"] == 0 and facts["scene_hash"] == scene.hash
-    assert 0 < facts["build"] and 0 < facts["warm"] and 0 < facts["first"]
+    assert 0 < facts["build"] and 0 < facts["first"]
+    assert facts["warm"] is None or facts["warm"] > 0  # a picture that takes long, on a busy machine say, is made once
 
 
 def test_mesh_picture_at_256(scene_of):
