@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 
-STEADY = 1.5  # paces that differ by more are told as a range
+STEADY, WILD = 1.5, 10.0  # paces that differ by more are a range, and no more than a least time
 EVERY = 5.0  # seconds between two lines where no terminal watches; work done sooner says nothing
 
 
@@ -83,8 +83,10 @@ class Progress:
         at, then = [mark for mark in ((self._start, 0.0), *self._marks) if mark[0] <= (self._start + now) / 2][-1]
         rest = max(self.total - self.done, 0.0)
         paces = (now - self._start) / self.done, (now - at) / max(self.done - then, 1e-9)
-        low, high = (_clock(rest * pace) for pace in (min(paces), max(paces)))
-        return f"{low} to {high}" if max(paces) > STEADY * min(paces) else f"about {_clock(rest * paces[0])}"
+        low, high = min(paces), max(paces)
+        if high > WILD * low:  # nothing was finished of late, or nothing before
+            return f"more than {_clock(rest * low)}"
+        return f"{_clock(rest * low)} to {_clock(rest * high)}" if high > STEADY * low else f"about {_clock(rest * paces[0])}"
 
 
 class Cases(Progress):

@@ -18,7 +18,7 @@ from reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNI
 
 from ..execution import store
 from ..execution.store import Store
-from .metrics import NEIGHBOURS, Planes, interior, largest_around, uniform_around
+from .metrics import NEIGHBOURS, Planes, interior, largest_around, neighbours, uniform_around
 
 FOLDER = "limits"
 SURE = 0.999  # that a faultless picture has no more pixels past hidden edges than it may
@@ -91,14 +91,9 @@ def _measured(scene: Scene, accuracy: Accuracy, method: str) -> Limits:
     within, jumps = ({name: SAFETY * largest_around(moved[name]) + floors[name] for name in floors}
                      for moved in (found.smooth, found.jump))
     return Limits(**within, **{f"{name}_jump": limit for name, limit in jumps.items()}, risk=found.risk,
-                  seen=np.bitwise_or.reduce([*_around(found.seen)]), touched=found.touched,
-                  once=sum(c.astype(int) for c in _around(found.changes)) == 1,
+                  seen=np.bitwise_or.reduce(list(neighbours(found.seen))), touched=found.touched,
+                  once=sum(c.astype(int) for c in neighbours(found.changes)) == 1,
                   decided=picture.status != UNDECIDED)
-
-
-def _around(plane: np.ndarray):
-    padded, (h, w) = np.pad(plane, 1, mode="edge"), plane.shape
-    return (padded[1 + i:1 + i + h, 1 + j:1 + j + w] for i, j in NEIGHBOURS)
 
 
 def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dict[str, float | int | None]:

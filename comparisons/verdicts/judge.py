@@ -15,7 +15,7 @@ Metrics = Mapping[str, float | int | None]
 def literal(metrics: Metrics, step_size: float) -> tuple[Verdict, str, list[Gate]]:
     """The verdict on the literal method: a fault where its oracle shows something else; where both differ from exact
     intersections, that is its nature."""
-    asked, wrong = metrics["oracle pixels"], metrics["differing pixels"]
+    asked, wrong = metrics["oracle pixels"], metrics["pixels unlike exact"]
     gates = [_gate("oracle mismatches", metrics["oracle mismatches"], 0, "pixels",
                    f"of {asked} pixels asked for, those on which the recursive tracer shows another object, distance or "
                    "colour"),
@@ -30,8 +30,8 @@ def literal(metrics: Metrics, step_size: float) -> tuple[Verdict, str, list[Gate
     reasons = sorted(((count, name.removeprefix("cause: ")) for name, count in metrics.items() if name.startswith("cause: ")),
                      reverse=True)
     told = ", ".join(f"{count} {name}" for count, name in reasons)
-    return "expected", (f"{wrong} pixels differ from exact intersections; of {metrics['differing pixels asked']} of them the "
-                        f"oracle shows the same at step size {step_size:g}: {told}"), gates
+    return "expected", (f"{wrong} pixels differ from exact intersections; of {metrics['pixels unlike exact, asked']} of them "
+                        f"the oracle shows the same at step size {step_size:g}: {told}"), gates
 
 
 def judge(metrics: Metrics, tolerance: Tolerance, exact: Tolerance) -> tuple[Verdict, str, list[Gate]]:

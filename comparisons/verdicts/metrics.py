@@ -30,7 +30,8 @@ def interior(planes: Planes) -> np.ndarray:
     return everywhere_around(steep) & uniform_around(index)
 
 
-def _shifted(plane: np.ndarray):
+def neighbours(plane: np.ndarray):
+    """`plane` itself and moved by a pixel in each of eight directions: what stands around every pixel. 9 of (h, w)"""
     padded = np.pad(plane, 1, mode="edge")
     h, w = plane.shape
     for i, j in NEIGHBOURS:
@@ -39,16 +40,16 @@ def _shifted(plane: np.ndarray):
 
 def largest_around(plane: np.ndarray) -> np.ndarray:
     """The largest value in the 3 x 3 neighbourhood of every pixel. (h, w)"""
-    return np.maximum.reduce(list(_shifted(plane)))
+    return np.maximum.reduce(list(neighbours(plane)))
 
 
 def everywhere_around(mask: np.ndarray) -> np.ndarray:
-    return np.logical_and.reduce(list(_shifted(mask)))
+    return np.logical_and.reduce(list(neighbours(mask)))
 
 
 def uniform_around(plane: np.ndarray) -> np.ndarray:
     """Pixels whose 3 x 3 neighbourhood has one value. (h, w)"""
-    return np.logical_and.reduce([neighbour == plane for neighbour in _shifted(plane)])
+    return np.logical_and.reduce([neighbour == plane for neighbour in neighbours(plane)])
 
 
 def geometry(reference: Planes, test: Planes, inner: np.ndarray | None = None) -> dict[str, float | int | None]:

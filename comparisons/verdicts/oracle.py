@@ -105,7 +105,7 @@ def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, fl
     return {"oracle pixels": len(pixels), "oracle mismatches": int((apart & ~excused).sum()),
             "oracle excused pixels": int(excused.sum()), "pixels at risk": at_risk,
             "oracle color max": float(counted.max(initial=0.0)),
-            "differing pixels": int(wrong.sum()), "differing pixels asked": int(wrong[pixels].sum()),
+            "pixels unlike exact": int(wrong.sum()), "pixels unlike exact, asked": int(wrong[pixels].sum()),
             **{f"cause: {cause}": count for cause, count in causes(scene, truth, test, pixels[wrong[pixels]]).items()}}
 
 

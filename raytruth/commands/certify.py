@@ -27,9 +27,10 @@ from pathlib import Path
 
 from .. import memory
 from ..arguments import resized, size, whole
-from ..told import kernels_told
+from ..compile_time import compile_time_announced
 
-BESIDE = 700  # bytes a pixel of the proofs' rows: what `certify figure-07-torus` takes at 800x600 and 1600x1200
+BESIDE = 700  # bytes a pixel beside the picture's planes: twice what `certify figure-07-torus` takes, by its growth from
+# 800x600 (587 MiB) to 1600x1200 (1195 MiB), 443 bytes a pixel with them
 
 
 def add_arguments(parser):
@@ -70,7 +71,7 @@ def _run(arguments) -> int:
             def show(stage: str, share: float, done=k, name=scene.name):
                 bar.label = f"{name}: {stage}"
                 bar.to(done + share)
-            with kernels_told(scene, bar):
+            with compile_time_announced(scene, bar):
                 c = certify(scene, arguments.method, sample=arguments.sample, paths=arguments.paths,
                             threads=arguments.threads, progress=show)
             certificates.append(c)

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from .. import memory
 from ..arguments import size, whole
-from ..told import kernels_told
+from ..compile_time import compile_time_announced
 
 MUCH = 1 << 22  # rays or steps at most: less than that takes a few seconds at most, and is not estimated
 LONG = 3.0  # seconds from which on an estimate is told
@@ -99,7 +99,7 @@ def _with_ours(scene, arguments):
     output = Path(arguments.output)
     memory.require(scene, planes_of(output), COPIES[output.suffix.lower()], arguments.memory)
     start, method, device = time.perf_counter(), arguments.method or "exact", arguments.device or "llvm"
-    with Progress(1.0, label=f"{scene.name}: compiling kernels") as bar, kernels_told(scene, bar):
+    with Progress(1.0, label=f"{scene.name}: compiling kernels") as bar, compile_time_announced(scene, bar):
         renderer = Renderer(scene, method, precision=arguments.precision, device=device, threads=arguments.threads)
         band = None
         if _may_be_long(scene):

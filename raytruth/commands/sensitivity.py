@@ -16,7 +16,7 @@ from pathlib import Path
 
 from .. import memory
 from ..arguments import require_file, resized, size, whole
-from ..told import kernels_told
+from ..compile_time import compile_time_announced
 
 BESIDE = 350  # bytes a pixel: a second picture, the differences, signatures, neighbours
 
@@ -44,7 +44,7 @@ def run(arguments) -> int:
     require_file(arguments.output, ".npz")
     scene = resized(find(arguments.scene), arguments.size)
     memory.require(scene, PLANES, BESIDE, arguments.memory)
-    with Progress(1.0, label=scene.name) as bar, kernels_told(scene, bar):
+    with Progress(1.0, label=scene.name) as bar, compile_time_announced(scene, bar):
         sensitivity = model.sensitivity(scene, arguments.method, arguments.precision, progress=bar.to)
     share = lambda mask: float(np.mean(mask))
     found = {"scene": scene.name, "pixels": sensitivity.bound.size,

@@ -133,7 +133,7 @@ def response(scene: Scene, method: str = "exact", precision: int = 32, probes: i
         found = _response(scene, method, precision, probes, displaced, progress)
         for name in ("t", "normal"):
             found.smooth[name], found.jump[name] = centre.smooth[name], centre.jump[name]
-        return replace(found, seen=centre.seen, risk=found.risk | centre.risk, changes=found.changes + centre.changes)
+        return replace(found, seen=centre.seen, risk=found.risk | centre.risk)
     return _response(scene, method, precision, probes, displaced, progress)
 
 

@@ -181,7 +181,7 @@ def test_every_limit_says_where_it_comes_from():
                for value in astuple(tolerance)[2:]}
     single = {getattr(tolerances, name) for name in (
         "REPEATED", "ANALYTICAL", "NUMERICAL", "STEPS_OF_NORMALS", "NUMERICAL_NORMALS", "PROBES", "SAFETY", "ORIGIN_UNITS",
-        "DIRECTION_UNITS", "FLOOR_UNITS")}
+        "DIRECTION_UNITS", "FLOOR_UNITS", "SURE")}
     assert numbers | single == {limit.value for limit in limits}
     assert all(limit.unit and limit.by for limit in limits)
 

@@ -72,6 +72,13 @@ def test_where_the_pace_changes_the_time_left_is_a_range():
     assert "1:06 to 4:00 left" in bar.line or "1:07 to 4:01 left" in bar.line or "1:06 to 4:01 left" in bar.line
 
 
+def test_where_nothing_was_finished_of_late_only_a_least_time_is_told():
+    bar = Progress(1, quiet=True)
+    now = time.monotonic()
+    bar.done, bar._start, bar._marks, bar._moved = 0.6, now - 200, [(now - 140, 0.6)], now  # nothing in the latter half
+    assert bar.line.endswith("more than 2:13 left"), bar.line  # 0.4 at the pace of 0.6 in 200 s
+
+
 def test_a_terminal_shows_a_bar_and_is_left_clean():
     """In a child with a terminal of its own: the bar appears, a logged line stays, the cursor comes back."""
     program = ("import time; from comparisons.progress import Progress\n"
