@@ -311,3 +311,18 @@ def test_a_certificate_that_does_not_fit_memory_is_refused(capsys):
 
     assert cli.main(["certify", "figure-05-sphere", "--size=4096x4096"]) == 2
     assert "of memory" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["certify", "sensitivity"])
+def test_no_shipped_scene_is_too_large_for_a_command_that_is_allowed_nothing(command):
+    """`raytruth certify` alone takes every shipped scene, each at its own size."""
+    from importlib import import_module
+
+    from raytruth import memory
+    from reference_tracer.scene import library
+    from reference_tracer.tracer import estimate
+    from reference_tracer.tracer.film import PLANES
+
+    beside = import_module(f"raytruth.commands.{command}").BESIDE
+    for name in (*library.names(), *library.effects()):
+        assert estimate.memory(library.find(name), PLANES, beside) <= memory.UNASKED * memory.GIB, name
