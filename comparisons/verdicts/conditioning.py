@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, fields
 
 import numpy as np
-from scipy.stats import poisson
 
 from reference_tracer.scene.model import Scene
 from reference_tracer.tracer.render import UNDECIDED
@@ -18,10 +17,9 @@ from reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNI
 
 from ..execution import store
 from ..execution.store import Store
-from .metrics import NEIGHBOURS, Planes, interior, largest_around, neighbours, uniform_around
+from .metrics import Planes, interior, largest_around, neighbours, uniform_around
 
 FOLDER = "limits"
-SURE = 0.999  # that a faultless picture has no more pixels past hidden edges than it may
 UP = 1 + 2.0**-20  # what is kept in single precision is rounded up
 
 
@@ -55,14 +53,12 @@ class Limits:
     risk: np.ndarray  # uint8, of the pixel itself
     seen: np.ndarray  # uint64, of the pixel and its neighbours
     touched: np.ndarray  # bool
-    once: np.ndarray  # bool, of all perturbations of the pixel and its neighbours, one alone changes a history
     decided: np.ndarray  # bool
 
     def __add__(self, other: Limits) -> Limits:
         """Of two renderers against each other: each may be as far from the truth as its own limits say."""
         return Limits(*(a + b for a, b in zip(_planes(self)[:6], _planes(other)[:6])), self.risk | other.risk,
-                      self.seen | other.seen, self.touched | other.touched, self.once | other.once,
-                      self.decided & other.decided)
+                      self.seen | other.seen, self.touched | other.touched, self.decided & other.decided)
 
 
 def _planes(limits: Limits) -> list[np.ndarray]:
@@ -92,7 +88,6 @@ def _measured(scene: Scene, accuracy: Accuracy, method: str) -> Limits:
                      for moved in (found.smooth, found.jump))
     return Limits(**within, **{f"{name}_jump": limit for name, limit in jumps.items()}, risk=found.risk,
                   seen=np.bitwise_or.reduce(list(neighbours(found.seen))), touched=found.touched,
-                  once=sum(c.astype(int) for c in neighbours(found.changes)) == 1,
                   decided=picture.status != UNDECIDED)
 
 
@@ -102,8 +97,6 @@ def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dic
     A pixel differs if any of its planes is beyond its limit, unless rounding, or the errors of surfaces, explain it: an
     edge runs through the pixel or beside it. It is excused if what is shown is what the reference itself shows when it is
     perturbed, and unforeseen if it is not: a further picture exceeds all of n in a pixel with probability 1 / (n + 1).
-    Meshes lead rays of many generations past edges that no perturbation has found: of all that n of them miss, one more
-    finds as much as 1 / n of what one alone has found (Good, The population frequencies of species, 1953).
     """
     excusable = largest_around(limits.risk) > 0
     met = (a["index"] == b["index"]) & (a["index"] >= 0)
@@ -135,8 +128,6 @@ def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dic
         left &= ~here
         if here.any():
             found[f"differing in {kind}"] = int(here.sum())
-    expected = float((limits.once & limits.touched).sum()) / (len(NEIGHBOURS) * PROBES)
-    found["hidden pixels"] = int(poisson.ppf(SURE, expected)) if expected and not (wrong & ~limits.touched).any() else 0
     exact = ~limits.touched
     found["displaced pixels"] = int(limits.touched.sum())
     found["exact pixels"], steady = int(exact.sum()), exact & met & ~excusable

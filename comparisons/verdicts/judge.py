@@ -45,10 +45,9 @@ def judge(metrics: Metrics, tolerance: Tolerance, exact: Tolerance) -> tuple[Ver
                       if name.startswith("differing in "))
     gates = [
         _gate("not finite", metrics["not finite"], 0, "pixels", "pixels whose colour is NaN or infinite on either side"),
-        _gate("differing pixels", metrics.get("differing pixels"), metrics.get("hidden pixels", 0), "pixels",
+        _gate("differing pixels", metrics.get("differing pixels"), 0, "pixels",
               "pixels farther off than rounding and the errors of the surfaces on their paths explain, in object, distance, "
-              "position, normal, generation or colour; where rays meet meshes, edges that no perturbed picture shows are as "
-              "rare as those that one alone shows"),
+              "position, normal, generation or colour"),
         _gate("excused pixels", metrics.get("excused pixels"), at_risk, "pixels",
               "pixels that show what lies on the other side of an edge beside them; no more than the reference itself has at "
               "the mercy of rounding and of such errors"),

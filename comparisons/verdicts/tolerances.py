@@ -13,7 +13,7 @@ from typing import Literal
 from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, FLOOR_UNITS, ORIGIN_UNITS, PROBES, SAFETY
 
 from ..results import Run
-from .conditioning import SURE, Accuracy
+from .conditioning import Accuracy
 
 MEASURED = "raytruth compare"
 PREDICTED = "raytruth sensitivity figure-17-scene1 --verify 8"
@@ -131,7 +131,5 @@ def table() -> Iterator[Limit]:
     yield Limit("every pixel: rays' origins", ORIGIN_UNITS, "units of rounding", "assumed", PREDICTED)
     yield Limit("every pixel: rays' directions", DIRECTION_UNITS, "units of rounding", "assumed", PREDICTED)
     yield Limit("every pixel: shading", FLOOR_UNITS, "units of rounding", "assumed", PREDICTED)
-    yield Limit("meshes: pixels past hidden edges", SURE, "probability", "assumed",
-                "the quantile of a Poisson law about Good's estimate (conditioning.apart)")
     yield Limit("literal method: every plane", REPEATED, "relative", "measured",
                 "raytruth compare --renderers paper")

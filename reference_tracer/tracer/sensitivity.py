@@ -121,7 +121,6 @@ class Response:
     risk: np.ndarray  # uint8, bits OBJECT, LIGHT, TOTAL_REFLECTION: a perturbation changed the pixel's history
     seen: np.ndarray  # uint64, bit (k + 1) % 64 of every object k (-1: none) that the ray through its centre has met
     touched: np.ndarray  # bool, whether any ray of the pixel meets an object that is displaced
-    changes: np.ndarray  # uint8, how many perturbations changed the pixel's history
     grazing: np.ndarray  # of its colour, from lights lower above a displaced object than its facets are tilted
 
 
@@ -141,8 +140,7 @@ def _response(scene: Scene, method: str, precision: int, probes: int, displaced:
     truth, watch = _perturbed(scene, method, 0.0, 0, displaced)
     shape, signatures = truth.t.shape, watch.signatures
     found = Response(truth, *({name: np.zeros(shape) for name in ("color", "t", "normal")} for _ in range(2)),
-                     np.zeros(shape, np.uint8), _bit(truth.index), watch.touched.reshape(shape), np.zeros(shape, np.uint8),
-                     watch.grazing.reshape(shape))
+                     np.zeros(shape, np.uint8), _bit(truth.index), watch.touched.reshape(shape), watch.grazing.reshape(shape))
     for k in range(probes):
         probe, watch = _perturbed(scene, method, UNIT[precision], k + 1, displaced)
         changed = np.zeros(shape, bool)
@@ -150,7 +148,6 @@ def _response(scene: Scene, method: str, precision: int, probes: int, displaced:
             differs = (signature != signatures[kind]).reshape(shape)
             found.risk |= np.where(differs, kind, 0).astype(np.uint8)
             changed |= differs
-        found.changes += changed
         same = (probe.index == truth.index) & (truth.index >= 0)
         with np.errstate(invalid="ignore"):
             for name, moved in (("color", np.abs(probe.color - truth.color).max(-1)),

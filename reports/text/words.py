@@ -71,7 +71,6 @@ METRICS = {
     "normal p99 degrees": "99 % of the interior pixels have normals closer than this",
     "normal max degrees": "the largest angle between normals of an interior pixel",
     "pixels at risk": "pixels that the reference itself shows differently when rays and surfaces move as far as they may",
-    "hidden pixels": "how many pixels past edges that no moved picture shows a faultless renderer may have",
     "displaced pixels": "those of whose rays some meet a mesh or a grid",
     "exact pixels": "those whose rays meet exact shapes alone",
     "exact hit pixels": "the same where the reference hits something, away from edges",
