@@ -283,12 +283,12 @@ def test_an_interruption_is_one_whoever_raises_it(wrapped, monkeypatch, capsys):
 @pytest.mark.parametrize("command", [["render", "-o", "{dir}/a.npz"], ["certify", "--paths=0", "--sample=0"], ["sensitivity"]])
 def test_what_kernels_take_to_compile_is_told_before(command, tmp_path, monkeypatch, capsys):
     """For any size of picture, by each command that compiles; what would surely be short is not told."""
-    from raytruth import cli, told
+    from raytruth import cli, compile_time
 
     arguments = [command[0], "figure-05-sphere", "--size=4x3", *(a.replace("{dir}", str(tmp_path)) for a in command[1:])]
     cli.main(arguments)
     assert "to compile" not in capsys.readouterr().err
-    monkeypatch.setattr(told, "UNTOLD", 0.1)
+    monkeypatch.setattr(compile_time, "UNTOLD", 0.1)
     cli.main(arguments)
     assert re.search(r"^raytruth: figure-05-sphere: .* operations will take .* to compile", capsys.readouterr().err)
 
