@@ -10,7 +10,7 @@ import zlib
 
 import numpy as np
 
-from reference_tracer.oracle.literal import LiteralSearch, point_color
+from reference_tracer.oracle.literal import LiteralSearch, point_color, transmitted
 from reference_tracer.scene.model import Scene
 from reference_tracer.scene.placement import is_inside
 from reference_tracer.tracer.camera import canvas_point, frame
@@ -52,11 +52,11 @@ class AllSteps(LiteralSearch):
         h = self.tracing.step_size
         return np.minimum(h * np.arange(1, 2 + int(np.max(end, initial=0) / h)), end[:, None])
 
-    def first_hit(self, o, d, inside):
+    def first_hit(self, o, d, inside, limit):
         t_hit, index = np.full(len(d), np.inf), np.full(len(d), -1)
         if not len(d):
             return t_hit, index
-        t = self._samples(np.full(len(d), self.tracing.max_distance))
+        t = self._samples(limit)
         changed = self._signs_at(o, d, t) != inside[:, None]
         ray = np.flatnonzero(changed.any(axis=(1, 2)))
         step = np.argmax(changed.any(axis=2), axis=1)[ray]
@@ -73,7 +73,7 @@ class AllSteps(LiteralSearch):
             return np.ones(0)
         signs = np.concatenate([inside[:, None], self._signs_at(o, d, self._samples(distance))], axis=1)
         crossings = np.sum(signs[:, 1:] != signs[:, :-1], axis=1)
-        return np.prod([obj.material.transparency for obj in self.scene.objects] ** crossings, axis=-1)
+        return np.prod(transmitted(self.scene) ** crossings, axis=-1)
 
 
 def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, float | int | None]:
@@ -151,12 +151,12 @@ def shown(scene: Scene, pixels: np.ndarray) -> dict[str, np.ndarray]:
 
 def _traced(scene: Scene, search: AllSteps, pixels: np.ndarray) -> dict[str, np.ndarray]:
     samples = scene.tracing.samples
-    inside = _sides(scene, len(pixels))
+    inside, limit = _sides(scene, len(pixels)), np.full(len(pixels), scene.tracing.max_distance)
     total = np.zeros((len(pixels), 3))
     for sample in range(samples**2):
         o, d = _rays(scene, pixels, *divmod(sample, samples), samples)
-        total += point_color(scene, search, o, d, inside, depth=0)
-    t, index = search.first_hit(*_rays(scene, pixels, 0, 0, 1), inside)
+        total += point_color(scene, search, o, d, inside, limit, depth=0)
+    t, index = search.first_hit(*_rays(scene, pixels, 0, 0, 1), inside, limit)
     return {"pixels": pixels, "color": total / samples**2, "t": t, "index": index}
 
 
@@ -165,14 +165,15 @@ def _shift_by_rounding(scene: Scene, pixels: np.ndarray) -> np.ndarray:
     rounding (reference_tracer/tracer/sensitivity.py): far, where Newton's method follows noise to a multiple root. (n,)"""
     random, search, inside = np.random.default_rng(len(pixels)), AllSteps(scene), _sides(scene, len(pixels))
     o, d = _rays(scene, pixels, 0, 0, 1)
-    t, _ = search.first_hit(o, d, inside)
+    limit = np.full(len(pixels), scene.tracing.max_distance)
+    t, _ = search.first_hit(o, d, inside, limit)
     shift = np.zeros(len(pixels))
     for _ in range(PROBES):
         noise = lambda units: random.uniform(-units, units, d.shape) * UNIT[64]
         moved = d + noise(DIRECTION_UNITS)
         moved /= np.linalg.norm(moved, axis=-1, keepdims=True)
         size = np.maximum(1, np.linalg.norm(o, axis=-1, keepdims=True))
-        shift = np.fmax(shift, np.abs(search.first_hit(o + noise(ORIGIN_UNITS) * size, moved, inside)[0] - t))
+        shift = np.fmax(shift, np.abs(search.first_hit(o + noise(ORIGIN_UNITS) * size, moved, inside, limit)[0] - t))
     return np.where(np.isfinite(shift), shift, np.inf)
 
 

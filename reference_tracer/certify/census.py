@@ -83,7 +83,7 @@ class Census:
             rows["kind"] = PRIMARY
         else:
             rows["kind"] = np.where(numpy(wave.refracted, count), REFRACTION, REFLECTION)
-        rows["limit"] = self.audited.scene.tracing.max_distance
+        rows["limit"] = numpy(self.audited.range_of(wave.ray), count)
         for name, hit in (("audited", interaction.hit), ("proven", proven)):
             index = numpy(hit.index, count).astype(np.int64)
             met = index < self.audited.object_count

@@ -80,7 +80,8 @@ def ray_of(world: World, rows: np.ndarray) -> Ray:
     arrays = world.arrays
     vector = lambda v: arrays.Vector(*(arrays.Float(v[:, k].copy()) for k in range(3)))
     return Ray(vector(rows["o"]), vector(rows["d"]),
-               Sides([arrays.Bits(rows["sides"][:, k].copy()) for k in range(rows["sides"].shape[1])]))
+               Sides([arrays.Bits(rows["sides"][:, k].copy()) for k in range(rows["sides"].shape[1])]),
+               arrays.Float(rows["limit"].copy()))
 
 
 def local_rays(world: World, rows: np.ndarray) -> np.ndarray:

@@ -83,7 +83,7 @@ class Body:
     """One object, met in its own frame."""
 
     def __init__(self, obj: Object):
-        self.surface, self.material = obj.surface, obj.material
+        self.object, self.surface, self.material = obj, obj.surface, obj.material
         self.center, self.axes = triple(obj.surface.center), turned(obj.rotation)
 
     def _into(self, v: Triple) -> Triple:
@@ -132,11 +132,11 @@ class PreciseTracer:
             self._place_camera()
 
     def _place_camera(self):
-        """Section 2, decision C1."""
+        """Section 2, decisions C1 and F5."""
         camera = self.scene.camera
         self.v_pos, self.v_dir = triple(camera.position), unit(triple(camera.direction))
-        self.v_x = unit(cross(triple(camera.up), self.v_dir))
-        self.v_y = cross(self.v_dir, self.v_x)
+        self.v_x = unit(triple(camera.v_x) if camera.v_x else cross(triple(camera.up), self.v_dir))
+        self.v_y = unit(triple(camera.v_y) if camera.v_y else cross(self.v_dir, self.v_x))
         half_angle = arb(rational(camera.fov)) / 360
         self.ratio = 2 * half_angle.sin_pi() / half_angle.cos_pi() / max(camera.width, camera.height)
         self.sides = tuple(body.holds(self.v_pos) for body in self.bodies)
@@ -154,20 +154,22 @@ class PreciseTracer:
                     x = self.ratio * (col + fmpq(2 * j + 1, 2 * n) - fmpq(camera.width, 2)) + offset
                     y = self.ratio * (fmpq(camera.height, 2) - row - fmpq(2 * i + 1, 2 * n)) + offset / 2
                     d = unit(plus(plus(self.v_dir, self.v_x, x), self.v_y, y))
-                    color = self._trace(path, self.v_pos, d, self.sides, 0, PRIMARY)
+                    color = self._trace(path, self.v_pos, d, self.sides, self.limit, 0, PRIMARY)
                     path.color = [a + b / n**2 for a, b in zip(path.color, color)]
             return path
 
-    def _trace(self, path: Path, o: Triple, d: Triple, sides, generation: int, kind: int) -> Triple:
-        """The colour a ray brings back (section 4.3)."""
+    def _trace(self, path: Path, o: Triple, d: Triple, sides, limit: arb, generation: int, kind: int) -> Triple:
+        """The colour a ray of range `limit` brings back (section 4.3)."""
         if generation > self.scene.tracing.max_depth:  # decision D1
             return triple(self.scene.background)
         path.rays += 1
-        t, index = self._first_hit(o, d, sides)
+        t, index = self._first_hit(o, d, sides, limit)
         if index == NOTHING:
             path.decisions[Decision(generation, kind, NOTHING, ())] += 1
             return triple(self.scene.background)
         body, point = self.bodies[index], plus(o, d, t)
+        if self.scene.tracing.range == "path":  # decision F4
+            limit -= t
         normal = body.normal(point)
         if dot(d, normal) > 0:
             normal = tuple(-c for c in normal)
@@ -179,7 +181,7 @@ class PreciseTracer:
             illumination, lights = self._illumination(path, point, normal, sides)
             color = tuple((1 - R) * (1 - T) * arb(rational(c)) * i for c, i in zip(m.color, illumination))
         path.decisions[Decision(generation, kind, index, lights)] += 1
-        follow = lambda kind, direction, sides: self._trace(path, point, unit(direction), sides, generation + 1, kind)
+        follow = lambda kind, direction, sides: self._trace(path, point, unit(direction), sides, limit, generation + 1, kind)
 
         refracted = None
         if T > 0:  # section 4.3.3
@@ -193,11 +195,11 @@ class PreciseTracer:
             color = plus(color, follow(REFRACTION, refracted, through), T)
         return color
 
-    def _first_hit(self, o, d, sides) -> tuple[arb | None, int]:
-        """(t, object) of the first change of side within max_distance; index NOTHING where there is none."""
+    def _first_hit(self, o, d, sides, limit: arb) -> tuple[arb | None, int]:
+        """(t, object) of the first change of side within `limit`; index NOTHING where there is none."""
         best, index = None, NOTHING
         for k, body in enumerate(self.bodies):
-            t = body.line(o, d, sides[k], self.limit, only_first=True).first
+            t = body.line(o, d, sides[k], limit, only_first=True).first
             if t is None:
                 continue
             if best is not None and not t < best and not best < t:
@@ -208,7 +210,7 @@ class PreciseTracer:
 
     def _illumination(self, path: Path, point: Triple, normal: Triple, sides):
         """Section 4.3.1: the light that arrives, and the intensity of every light behind a shadow ray."""
-        total, intensities = (arb(0),) * 3, []
+        total, intensities = (arb(rational(self.scene.tracing.ambient)),) * 3, []  # decision F2
         for position, brightness in self.lights:
             to_light = plus(position, point, -1)
             distance, shadow_dir = dot(to_light, to_light).sqrt(), unit(to_light)
@@ -219,11 +221,17 @@ class PreciseTracer:
             path.rays += 1
             intensity = arb(1)
             for body, inside in zip(self.bodies, sides):
+                if not self.scene.casts_shadow(body.object):
+                    continue
                 T = arb(rational(body.material.transparency))
                 crossed = len(body.line(point, shadow_dir, inside, distance, only_first=not T > 0).crossings)
                 intensity *= T**crossed  # L3; 0**0 is 1
             intensities.append(round(float(intensity), 12))
-            total = plus(total, brightness, cos * intensity)
+            light = tuple(cos * intensity * b for b in brightness)
+            if self.scene.tracing.lights == "balanced":  # decision F1
+                total = tuple(1 - (1 - sum_) * (1 - one) for sum_, one in zip(total, light))
+            else:
+                total = plus(total, light)
         return total, tuple(intensities)
 
     def _refraction(self, d, normal, cos1: arb, n: arb, leaving: bool) -> Triple | None:

@@ -20,7 +20,7 @@ ANSWER = [("t", "f8"), ("index", "i4"), ("light", "f8"), ("undecided", "?")]
 def row_type(words: int) -> np.dtype:
     """A ray in world space, where it comes from, and the answers of the audited method and of the proofs.
 
-    `words` is the number of 64-bit words that hold its sides; `limit` is max_distance, or the distance to the light;
+    `words` is the number of 64-bit words that hold its sides; `limit` is its range, or the distance to the light;
     `towards` is the light of a shadow ray; `reach` is how far its origin may be off the surface it starts on (infinite
     where the audited method does not vouch for it); `radius` encloses the proven t; `rivalled` says that another object
     may be crossed there as well; `smooth` that the gradient exists there; `edge` marks a pixel on an edge.

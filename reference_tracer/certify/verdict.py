@@ -77,7 +77,8 @@ def decide(scene: Scene, row: np.void, local: np.ndarray) -> Verdict:
     if shadow:
         verdict.light = arb(1)
         for obj, line in zip(scene.objects, verdict.lines):
-            verdict.light *= arb(rational(obj.material.transparency)) ** len(line.crossings)
+            if scene.casts_shadow(obj):  # decision F3
+                verdict.light *= arb(rational(obj.material.transparency)) ** len(line.crossings)
     else:
         verdict.hits = first_of(verdict.lines)
     return verdict

@@ -21,8 +21,8 @@ from ..tracer.camera import canvas_point, frame
 class Search(Protocol):
     """How rays find what they meet."""
 
-    def first_hit(self, o, d, inside):
-        """(t, index) of each ray's first hit; index -1 where there is none."""
+    def first_hit(self, o, d, inside, limit):
+        """(t, index) of each ray's first hit within `limit` (n,); index -1 where there is none."""
 
     def transmittance(self, o, d, inside, distance):
         """The product of the transparencies crossed on the way to a light at `distance`."""
@@ -41,27 +41,28 @@ def render(scene: Scene, search: Search | None = None) -> np.ndarray:
             x, y = canvas_point(camera, row, col, sample_row, sample_col, samples)
             d = _normalize(x[:, None] * camera.v_x + y[:, None] * camera.v_y + camera.v_dir)
             o = np.broadcast_to(camera.v_pos, d.shape)
-            total += point_color(scene, search, o, d, np.broadcast_to(inside, (len(d), len(inside))), depth=0)
+            total += point_color(scene, search, o, d, np.broadcast_to(inside, (len(d), len(inside))),
+                                 np.full(len(d), scene.tracing.max_distance), depth=0)
     return (total / samples**2).reshape(height, width, 3)
 
 
-def point_color(scene: Scene, search: Search, o, d, inside, depth: int) -> np.ndarray:
-    """Section 4.3: the colour each ray brings back, (n, 3)."""
+def point_color(scene: Scene, search: Search, o, d, inside, limit, depth: int) -> np.ndarray:
+    """Section 4.3: the colour each ray of range `limit` (n,) brings back, (n, 3)."""
     color = np.tile(np.array(scene.background), (len(d), 1))
     if depth > scene.tracing.max_depth:
         return color
     # the misprint of section 4.3.3.2 (E1) makes directions of NaN: such a ray meets nothing
     usable = np.isfinite(d).all(axis=-1)
     t, index = np.full(len(d), np.inf), np.full(len(d), -1)
-    t[usable], index[usable] = search.first_hit(o[usable], d[usable], inside[usable])
+    t[usable], index[usable] = search.first_hit(o[usable], d[usable], inside[usable], limit[usable])
     for k, obj in enumerate(scene.objects):
         here = np.flatnonzero(index == k)
         if len(here):
-            color[here] = _color_on(scene, search, obj, k, o[here], d[here], inside[here], t[here], depth)
+            color[here] = _color_on(scene, search, obj, k, o[here], d[here], inside[here], t[here], limit[here], depth)
     return color
 
 
-def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, depth):
+def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, limit, depth):
     """Section 4.3 where rays meet object `k`."""
     point = o + t[:, None] * d
     normal = _normal(obj, point)
@@ -69,18 +70,24 @@ def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, depth):
     cos1 = np.minimum(-_dot(d, normal), 1)
     m = obj.material
 
-    illumination = np.zeros_like(point)
+    if scene.tracing.range == "path":  # decision F4
+        limit = np.maximum(limit - t, 0)
+    illumination = np.full_like(point, scene.tracing.ambient)  # decision F2
     for light in scene.lights:  # section 4.3.1
         distance = np.linalg.norm(light.position - point, axis=-1, keepdims=True)
         shadow_dir = (light.position - point) / distance
         cos = _dot(shadow_dir, normal)
         lit = np.flatnonzero(cos[:, 0] > 0)
         intensity = search.transmittance(point[lit], shadow_dir[lit], inside[lit], distance[lit, 0])
-        illumination[lit] += cos[lit] * np.array(light.brightness) * intensity[:, None]
+        more = cos[lit] * np.array(light.brightness) * intensity[:, None]
+        if scene.tracing.lights == "balanced":  # decision F1
+            illumination[lit] = 1 - (1 - illumination[lit]) * (1 - more)
+        else:
+            illumination[lit] += more
     visible = np.array(m.color) * illumination
 
     follow = lambda which, direction, sides: point_color(
-        scene, search, point[which], _normalize(direction[which]), sides[which], depth + 1)
+        scene, search, point[which], _normalize(direction[which]), sides[which], limit[which], depth + 1)
     everywhere = np.ones(len(d), bool)
 
     reflection_dir = d + 2 * normal * cos1  # section 4.3.2
@@ -120,9 +127,9 @@ class LiteralSearch:
             return np.stack([_is_inside(surface(*((o - c + t[:, None] * d) @ R).T))
                              for R, c, surface in self.frames], axis=-1)
 
-    def first_hit(self, o, d, inside):
+    def first_hit(self, o, d, inside, limit):
         t_hit, index = np.full(len(d), np.inf), np.full(len(d), -1)
-        waiting, limit = np.arange(len(d)), np.full(len(d), self.tracing.max_distance)
+        waiting = np.flatnonzero(limit > 0)
         step = 0
         while len(waiting):
             step += 1
@@ -150,7 +157,7 @@ class LiteralSearch:
         return t
 
     def transmittance(self, o, d, inside, distance):
-        transparency = np.array([obj.material.transparency for obj in self.scene.objects])
+        transparency = transmitted(self.scene)
         intensity, sides = np.ones(len(d)), inside
         if not len(d):
             return intensity
@@ -159,6 +166,12 @@ class LiteralSearch:
             intensity = intensity * np.prod(np.where(signs != sides, transparency, 1.0), axis=-1)  # L3
             sides = signs
         return intensity
+
+
+def transmitted(scene: Scene) -> np.ndarray:
+    """By how much each crossing of each object dims light (decisions L3, F3)."""
+    return np.array([1.0 if not obj.shadow or (scene.tracing.shadows == "opaque_only" and obj.material.transparency > 0)
+                     else obj.material.transparency for obj in scene.objects])
 
 
 def _normal(obj: Object, point):

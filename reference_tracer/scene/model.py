@@ -48,17 +48,35 @@ def _length(v) -> float:
     return math.sqrt(sum(c * c for c in v))
 
 
+def _cross(v, w):
+    return v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]
+
+
+def _volume(u, v, w) -> float:
+    return sum(a * b for a, b in zip(u, _cross(v, w)))
+
+
+def _unit(v):
+    size = max(map(abs, v))  # squares of what is tiny underflow
+    v = tuple(c / size for c in v)
+    return tuple(c / _length(v) for c in v)
+
+
 def _require_direction(v, what: str):
     if _length(v) < 1e-6:
         raise ValueError(f"{what} must not be the zero vector")
 
 
 class Camera(Part):
-    """Section 2: a canvas at distance 1 in front of `position`; decision C1 fixes the axes."""
+    """Section 2: a canvas at distance 1 in front of `position`; decisions C1 and F5 fix the axes."""
 
     position: Vector = (0.0, 0.0, 0.0)
     direction: Vector = Field((0.0, 0.0, 1.0), description="where the camera looks; any length but zero")
     up: Vector = Field((0.0, 1.0, 0.0), description="the side of the picture's top; not parallel to direction")
+    v_x: Vector | None = Field(None, description="decision F5: the canvas's axis to the right, any length but zero; made from "
+                                                 "up, at right angles to direction, if not given")
+    v_y: Vector | None = Field(None, description="decision F5: the canvas's axis to the top; at right angles to direction and "
+                                                 "v_x if not given")
     fov: Annotated[float, Field(gt=0, lt=180)] = Field(60.0, description="field of view over the longer side, degrees")
     width: Annotated[int, Field(ge=1, le=LONGEST_SIDE)] = 640
     height: Annotated[int, Field(ge=1, le=LONGEST_SIDE)] = 480
@@ -67,13 +85,29 @@ class Camera(Part):
     def _is_a_frame(self):
         _require_direction(self.direction, "direction")
         _require_direction(self.up, "up")
-        (a, b, c), (p, q, r) = self.direction, self.up
-        cross = (b * r - c * q, c * p - a * r, a * q - b * p)
-        if _length(cross) < 1e-6 * _length(self.direction) * _length(self.up):
+        if self.v_x is None and _length(_cross(self.direction, self.up)) < 1e-6 * _length(self.direction) * _length(self.up):
             raise ValueError("up must not be parallel to direction")
+        for name in ("v_x", "v_y"):
+            if (axis := getattr(self, name)) is not None:
+                _require_direction(axis, name)
+        if (self.v_x or self.v_y) and abs(_volume(*self.axes)) < 1e-6:
+            raise ValueError("direction, v_x and v_y must not lie in a plane")
         if self.width * self.height > MOST_PIXELS:
             raise ValueError(f"width * height must be at most {MOST_PIXELS} pixels")
         return self
+
+
+    @property
+    def axes(self) -> tuple[Vector, Vector, Vector]:
+        """The unit vectors v_dir, v_x and v_y (section 2; decisions C1, F5), in fp64."""
+        v_dir = _unit(self.direction)
+        v_x = _unit(self.v_x or _cross(self.up, v_dir))
+        return v_dir, v_x, _unit(self.v_y) if self.v_y else _unit(_cross(v_dir, v_x))
+
+    @property
+    def is_oblique(self) -> bool:
+        """Whether the axes that are given are not at right angles, or left-handed, beyond rounding (decision F5)."""
+        return abs(_volume(*self.axes) - 1) > 1e-12 if self.v_x or self.v_y else False
 
 
 class Rotation(Part):
@@ -134,6 +168,14 @@ class Tracing(Part):
     samples: Annotated[int, Field(ge=1, le=32)] = Field(1, description="n of n x n samples per pixel (section 5)")
     refraction: Literal["snell", "as_printed"] = Field(
         "snell", description="decision E1: the law of refraction, or the misprinted formula of section 4.3.3.2")
+    # where the document's figures do otherwise than its text
+    lights: Literal["sum", "balanced"] = Field(
+        "sum", description="decision F1: how several lights add up; balanced: 1 - product of (1 - light), per channel")
+    ambient: Intensity = Field(0.0, description="decision F2: a light that is never shadowed, the first of the combination")
+    shadows: Literal["attenuate", "opaque_only"] = Field(
+        "attenuate", description="decision F3: what objects with transparency > 0 do to light; opaque_only: nothing")
+    range: Literal["ray", "path"] = Field(
+        "ray", description="decision F4: whether each ray has max_distance of its own, or what its parent left of it")
     # what a scene needs no more of: see `raytruth plan`
     effects: Annotated[tuple[Effect, ...], Field(max_length=len(EFFECTS))] = Field(
         EFFECTS, description="the secondary rays that are traced; one left out sees the background, a shadow ray its light")
@@ -174,6 +216,10 @@ class Scene(Part):
         if fault := broken(self):
             raise ValueError(fault)
         return self
+
+    def casts_shadow(self, obj: Object) -> bool:
+        """Whether `obj` dims the light that crosses it (decisions L3, F3)."""
+        return obj.shadow and not (self.tracing.shadows == "opaque_only" and obj.material.transparency > 0)
 
     @property
     def hash(self) -> str:

@@ -70,7 +70,7 @@ class Family:
     """The objects of a scene that share one f and its sign outside of their boxes, as a table; row j holds the numbers of
     the j-th of them."""
 
-    def __init__(self, arrays: Backend, indices: list[int], objects: list[Object], method):
+    def __init__(self, arrays: Backend, indices: list[int], objects: list[Object], method, casts_shadow: bool):
         surface = objects[0].surface
         self.arrays, self.method = arrays, method
         self.sign_outside = surface.sign_outside
@@ -85,7 +85,7 @@ class Family:
                   for name in surface.parameters]
         self.parameters = [name for name, same in zip(surface.parameters, shared) if not same]
         self.rotated = any(o.rotation is not None for o in objects)
-        self.casts_shadow = objects[0].shadow  # like those of the others
+        self.casts_shadow = casts_shadow
         self.flipped = any(o.surface.inside == "positive" for o in objects)
 
         # a ball that a ray misses spares what costs more than to ask: a search, or the reading of a row

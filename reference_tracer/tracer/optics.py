@@ -48,6 +48,10 @@ class Optics:
         """The illumination per brightness from a light at `distance`, of which `intensity` arrives (L1, L2)."""
         return dr.select(intensity > 0, cos * intensity, 0)
 
+    def combined(self, illumination, light, balanced: bool):
+        """Illumination with one more light, per channel: the plain sum (L1), or 1 - (1 - I)(1 - light) (decision F1)."""
+        return illumination + light * (1 - illumination) if balanced else illumination + light
+
     def attenuated(self, intensity, transparency, crossings):
         """What is left of `intensity` behind an object whose surface was crossed so often (decision L3)."""
         return _multiply_repeatedly(intensity, transparency, crossings)

@@ -60,6 +60,7 @@ class Ray:
     o: object  # Vector, world space
     d: object  # Vector, unit length
     sides: Sides
+    left: object | None = None  # Float, its range, where a path shares one (decision F4)
 
 
 @dataclass

@@ -59,7 +59,7 @@ class Perturbation(Watch):
         o = o + noise(ORIGIN_UNITS) * dr.maximum(1, dr.norm(o))
         d = dr.normalize(d + noise(DIRECTION_UNITS))
         dr.eval(o, d)
-        return Ray(o, d, wave.ray.sides)
+        return replace(wave.ray, o=o, d=d)
 
     def observe(self, wave: Wave, interaction: Interaction) -> None:
         UInt = self.world.arrays.UInt

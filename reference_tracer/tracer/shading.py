@@ -84,12 +84,12 @@ def interact(world: World, ray: Ray, active) -> Interaction:
 
 @dr.syntax
 def _illumination(world: World, ray: Ray, point, normal, active):
-    """Section 4.3.1: the sum over lights of max(cos(phi), 0) * brightness * intensity (decisions L1 to L3).
+    """Section 4.3.1: the sum over lights of max(cos(phi), 0) * brightness * intensity (decisions L1 to L3, F1, F2).
 
     Returns (Vector, UInt shadow rays traced, UInt those that reached their light, UInt undecided ones).
     """
     UInt = world.arrays.UInt
-    total = world.arrays.Vector(0, 0, 0)
+    total, balanced = world.arrays.Vector(*[world.ambient] * 3), world.scene.tracing.lights == "balanced"
     asked, reached, undecided, j = UInt(0), UInt(0), UInt(0), UInt(0)
     while j < world.light_count:
         position, brightness = world.light(j)
@@ -100,7 +100,7 @@ def _illumination(world: World, ray: Ray, point, normal, active):
         faces = active & (cos > 0)
         # the shadow ray starts on the side the ray came from, like the reflection ray (M3)
         intensity, unsure = world.transmittance(Ray(point, shadow_dir, ray.sides), distance, faces)
-        total += brightness * world.optics.light(cos, intensity, distance)
+        total = world.optics.combined(total, brightness * world.optics.light(cos, intensity, distance), balanced)
         asked += dr.select(faces, UInt(1), 0)
         reached += dr.select(faces & (intensity > 0), UInt(1), 0)
         undecided += dr.select(unsure, UInt(1), 0)

@@ -131,13 +131,15 @@ class Parents:
     refracted: object | None  # Vector, direction
     refracted_weight: object | None  # Float, share in the pixel
     refracted_sides: Sides | None
+    left: object | None  # Float, the range that is left to secondary rays (decision F4)
 
     @staticmethod
     def of(wave: Wave, interaction: Interaction) -> Parents:
         weighted = lambda weight: None if weight is None else weight * wave.weight
         return Parents(interaction.point, wave.slot, wave.ray.sides, interaction.reflected,
                        weighted(interaction.reflected_weight), interaction.refracted, weighted(interaction.refracted_weight),
-                       interaction.refracted_sides)
+                       interaction.refracted_sides,
+                       None if wave.ray.left is None else dr.maximum(wave.ray.left - interaction.hit.t, 0))
 
     @property
     def weights(self) -> list:
@@ -173,7 +175,8 @@ class Secondary:
             d = dr.select(through, pick(arrays.Vector, parents.refracted, through), d)
             weight = dr.select(through, pick(arrays.Float, parents.refracted_weight, through), weight)
             sides = Sides.select(through, parents.refracted_sides.gather(row, through), sides)
-        return Wave(generation, Ray(pick(arrays.Vector, parents.point, active), d, sides), weight,
+        left = None if parents.left is None else pick(arrays.Float, parents.left, active)
+        return Wave(generation, Ray(pick(arrays.Vector, parents.point, active), d, sides, left), weight,
                     pick(arrays.UInt, parents.slot, active), refracted=through)
 
 
@@ -243,7 +246,7 @@ class Wavefront:
 
     def _watched(self, source: Source, generation: int) -> Wave:
         wave = source.wave(self.world, generation)
-        dr.eval(wave.ray.o, wave.ray.d, wave.ray.sides.words, wave.weight, wave.slot)
+        dr.eval(wave.ray.o, wave.ray.d, wave.ray.sides.words, wave.ray.left, wave.weight, wave.slot)
         if self.disturb:
             wave.ray = self.disturb(wave)
         return wave

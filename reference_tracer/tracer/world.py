@@ -10,7 +10,7 @@ import drjit as dr
 
 from .. import first_hit
 from ..backend import Backend
-from ..scene.model import EFFECTS, Scene
+from ..scene.model import EFFECTS, Scene, Tracing
 from ..scene.placement import is_inside
 from .camera import canvas_point, frame
 from .families import Family, Member
@@ -43,16 +43,20 @@ class World:
         groups: dict[tuple, list[int]] = {}
         for index, obj in enumerate(scene.objects):
             own = (obj.first_hit.method, obj.first_hit.step_size or 0) if obj.first_hit else ("", 0)
-            groups.setdefault((obj.surface.family, obj.surface.sign_outside, own, obj.shadow), []).append(index)
+            groups.setdefault((obj.surface.family, obj.surface.sign_outside, own, scene.casts_shadow(obj)),
+                              []).append(index)
         self.families = [
             Family(arrays, indices, [scene.objects[i] for i in indices],
-                   first_hit.choose(method, scene.objects[indices[0]], scene.tracing, arrays))
-            for _, indices in sorted(groups.items())]  # sorted: scenes with the same families share kernels
+                   first_hit.choose(method, scene.objects[indices[0]], scene.tracing, arrays), casts_shadow)
+            for (*_, casts_shadow), indices in sorted(groups.items())]  # sorted: scenes with the same families share kernels
         self.vouching = [f for f in self.families if f.method.vouches] if self.object_count > 1 else []
 
         materials = [o.material for o in scene.objects]
         self.reflective = any(m.reflection > 0 for m in materials)
         self.transparent = any(m.transparency > 0 for m in materials)
+        self.dims = self.transparent and scene.tracing.shadows == "attenuate"
+        # a kernel without ambient light starts from a literal zero (decision F2)
+        self.ambient = arrays.constant(scene.tracing.ambient) if scene.tracing.ambient else 0.0
         self.traces = {effect: effect in scene.tracing.effects for effect in EFFECTS}
         self.max_distance = arrays.constant(scene.tracing.max_distance)
         self.background = [arrays.constant(c) for c in scene.background]
@@ -119,7 +123,7 @@ class World:
     @cached_property
     def _brightest(self) -> float:
         """No ray returns more in any channel: weights of a interaction never add up to more than 1."""
-        light = [sum(light.brightness[k] for light in self.scene.lights) for k in range(3)]
+        light = [_brightest(self.scene.tracing, [light.brightness[k] for light in self.scene.lights]) for k in range(3)]
         return max(max(max(self.scene.background[k], *(o.material.color[k] * light[k] for o in self.scene.objects))
                        for k in range(3)), 1e-300)
 
@@ -156,7 +160,7 @@ class World:
     def variables(self) -> list:
         """All arrays that kernels read of the world, for recordings of them."""
         canvas, axes, sides = self._camera
-        return [self.max_distance, self.background, self.units_of_color, self.light_count, self._material_columns,
+        return [self.max_distance, self.ambient, self.background, self.units_of_color, self.light_count, self._material_columns,
                 self._place_of_object, self._light_columns, [family.variables for family in self.families],
                 canvas.ratio, canvas.width, canvas.height, self.columns, axes, sides.words]
 
@@ -177,15 +181,16 @@ class World:
         canvas, (v_x, v_y, v_dir, v_pos), sides = self._camera
         x, y = canvas_point(canvas, Float(row), Float(column), Float(sample_row), Float(sample_column), samples)
         width = dr.width(row)
+        left = self.max_distance + dr.zeros(Float, width) if self.scene.tracing.range == "path" else None
         return Ray(v_pos + dr.zeros(self.arrays.Vector, width), dr.normalize(x * v_x + y * v_y + v_dir),
-                   Sides([word + dr.zeros(self.arrays.Bits, width) for word in sides.words]))
+                   Sides([word + dr.zeros(self.arrays.Bits, width) for word in sides.words]), left)
 
     # --- queries ---------------------------------------------------------------------------------------------------
     def nearest(self, ray: Ray) -> Hit:
-        """The first crossing of each ray with any object within max_distance (decisions M1, M4, M5)."""
+        """The first crossing of each ray with any object within its range (decisions M1, M4, M5, F4)."""
         Float, UInt = self.arrays.Float, self.arrays.UInt
         usable = dr.isfinite(dr.squared_norm(ray.d))
-        hit = Hit(t=Float(math.inf), order=dr.select(usable, self.max_distance, 0),
+        hit = Hit(t=Float(math.inf), order=dr.select(usable, self.range_of(ray), 0),
                   index=UInt(self.object_count), undecided=~usable)
         state = hit.t, hit.order, hit.index, hit.undecided
         if not self.vouching:
@@ -218,6 +223,10 @@ class World:
 
         # the ray from within a solid starts within its ball: none is left out
         return family.fold(step, state, lambda ball, t, order, *_: ball.may_meet(ray.o, ray.d, order))
+
+    def range_of(self, ray: Ray):
+        """How far each ray reaches (Float): max_distance, or what its parent left of it (decisions M5, F4)."""
+        return self.max_distance if ray.left is None else ray.left
 
     def normal(self, point, index, active):
         """grad f at `point` of object `index`, normalised; not yet turned against the ray.
@@ -258,13 +267,23 @@ class World:
                            lambda ball, intensity, _: (intensity > 0) & ball.may_meet(ray.o, ray.d, distance))
 
     def _dimmed_by(self, family: Family, member: Member, ray: Ray, distance, intensity, undecided):
-        if self.transparent:
+        if self.dims:
             transparency = dr.gather(self.arrays.Float, self._material_columns[2], member.index)
             opaque = transparency == 0
         else:
             opaque = self.arrays.Bool(True)
         count, unsure = family.method.crossings(member.solid, member.local(ray.o, ray.d),
                                                 ray.sides.test(member.index), distance, opaque)
-        left = (self.optics.attenuated(intensity, transparency, count) if self.transparent
+        left = (self.optics.attenuated(intensity, transparency, count) if self.dims
                 else dr.select(count > 0, 0, intensity))
         return left, undecided | unsure
+
+
+def _brightest(tracing: Tracing, lights: list[float]) -> float:
+    """No point is lit more by lights of these brightnesses, one channel of each (decisions F1, F2)."""
+    lights = [tracing.ambient, *lights]
+    if tracing.lights == "sum":
+        return sum(lights)
+    if max(lights) <= 1:
+        return 1 - math.prod(1 - light for light in lights)
+    return 1 + math.prod(max(1, light - 1) for light in lights)  # 1 - light lies between 1 and 1 - its brightness
