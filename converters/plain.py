@@ -1,12 +1,17 @@
 """A scene as plain text for ports of the document: one line a thing, a word and numbers, nothing to parse.
 
     camera      position(3) direction(3) up(3) fov width height
+    axes        v_x(3) v_y(3)
     tracing     step_size tolerance max_iterations max_distance max_depth samples
+    figures     lights ambient shadows range
     background  colour(3)
     light       position(3) brightness(3)
     object      colour(3) reflection transparency refractive_index  center(3) axis(3) degrees sign  kind parameters
+    shadowless  number of an object
 
-`sign` is -1 where f > 0 is inside; `degrees` 0 means no rotation. Numbers have as many digits as it takes to read them
+`sign` is -1 where f > 0 is inside; `degrees` 0 means no rotation. Lines that most scenes lack: `axes` where they do not
+follow from `up` (decision F5); `figures` where one of its words (decisions F1 to F4, as in a scene file) is not "sum",
+0, "attenuate" and "ray"; `shadowless` for each object that dims no light, counted from 0. Numbers have as many digits as it takes to read them
 back exactly. python -m converters.plain SCENE FILE writes one.
 """
 
@@ -19,6 +24,7 @@ from reference_tracer.errors import InputError, UnsupportedError
 from reference_tracer.scene import library
 from reference_tracer.scene.model import EFFECTS, Object, Scene, Tracing
 
+FIGURES = ("lights", "ambient", "shadows", "range")
 KINDS = ("plane", "sphere", "ellipsoid", "torus", "paraboloid", "heart")
 
 
@@ -28,16 +34,23 @@ def plain(scene: Scene) -> str:
     camera, tracing = scene.camera, scene.tracing
     lines = [
         _line("camera", *camera.position, *camera.direction, *camera.up, camera.fov, camera.width, camera.height),
+        *([_line("axes", *camera.axes[1], *camera.axes[2])] if camera.v_x or camera.v_y else []),
         _line("tracing", tracing.step_size, tracing.tolerance, tracing.max_iterations, tracing.max_distance,
               tracing.max_depth, tracing.samples),
+        *([_line("figures", *(getattr(tracing, name) for name in FIGURES))] if _follows_figures(tracing) else []),
         _line("background", *scene.background),
         *(_line("light", *light.position, *light.brightness) for light in scene.lights),
-        *(_object(obj) for obj in scene.objects)]
+        *(_object(obj) for obj in scene.objects),
+        *(_line("shadowless", k) for k, obj in enumerate(scene.objects) if not obj.shadow)]
     return "\n".join(lines) + "\n"
 
 
 def _line(*words) -> str:
     return " ".join(map(str, words))
+
+
+def _follows_figures(tracing: Tracing) -> bool:
+    return any(getattr(tracing, name) != getattr(Tracing(), name) for name in FIGURES)
 
 
 def _object(obj: Object) -> str:

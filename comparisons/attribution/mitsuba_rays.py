@@ -48,7 +48,8 @@ class _Recording(_Tracer):
 
     def _lights_reached(self, hit, rays: _Rays):
         """How many lights alone make each point bright (UInt32): the illumination, asked one light at a time."""
-        everything = self.light_position, self.light_brightness, self.lights
+        everything = self.light_position, self.light_brightness, self.lights, self.ambient
+        self.ambient = 0.0
         reached = mi.UInt32(0)
         for j in range(len(self.document.lights)):
             self.light_position = [mi.Float(float(c[j])) for c in everything[0]]
@@ -56,7 +57,7 @@ class _Recording(_Tracer):
             self.lights = dr.opaque(mi.UInt32, 1)
             light, _ = self.illumination(hit, rays.sides, hit.met)
             reached += dr.select(light.x > 0, mi.UInt32(1), 0)
-        self.light_position, self.light_brightness, self.lights = everything
+        self.light_position, self.light_brightness, self.lights, self.ambient = everything
         return reached
 
     def _queues(self, rays: _Rays, hit, secondary):

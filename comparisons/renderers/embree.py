@@ -57,6 +57,7 @@ class _Rays:
     start: Start
     d: np.ndarray  # (n, 3) unit
     inside: np.ndarray  # (n, objects)
+    left: np.ndarray  # each one's range
     weight: np.ndarray
     slot: np.ndarray
 
@@ -64,7 +65,7 @@ class _Rays:
         return len(self.d)
 
     def of(self, which) -> _Rays:
-        return _Rays(self.start.of(which), self.d[which], self.inside[which], self.weight[which], self.slot[which])
+        return _Rays(self.start.of(which), self.d[which], self.inside[which], self.left[which], self.weight[which], self.slot[which])
 
 
 @dataclass
@@ -95,8 +96,8 @@ class _Tracer:
             effect in scene.tracing.effects for effect in ("shadow", "reflection", "refraction"))
 
     def illumination(self, p, hit_index, facet, normal, inside):
-        """Section 4.3.1: the sum over lights of cos(phi) * brightness * intensity (decisions L1 to L3), and doubts."""
-        total, lost = np.zeros_like(p), np.zeros(len(p), bool)
+        """Section 4.3.1: the lights' cos(phi) * brightness * intensity, together (L1 to L3, F1, F2), and doubts."""
+        total, lost = np.full_like(p, self.scene.tracing.ambient), np.zeros(len(p), bool)
         for light in self.scene.lights:
             way = np.array(light.position) - p
             distance = np.linalg.norm(way, axis=1)
@@ -109,7 +110,8 @@ class _Tracer:
                 start = Start(p[lit], hit_index[lit], facet[lit])
                 intensity, unsure = self.crossings.transmittance(start, shadow_dir[lit], distance[lit], inside[lit])
                 lost[lit] |= unsure
-            total[lit] += (cos[lit] * intensity)[:, None] * np.array(light.brightness)
+            more = (cos[lit] * intensity)[:, None] * np.array(light.brightness)
+            total[lit] = (1 - (1 - total[lit]) * (1 - more) if self.scene.tracing.lights == "balanced" else total[lit] + more)
         return total, lost
 
     def trace(self, rays: _Rays, film: _Film):
@@ -130,7 +132,7 @@ class _Tracer:
 
     def _interact(self, rays: _Rays, film: _Film):
         """First hits, whose own colour or background goes to the film, and the secondary rays that have weight."""
-        hit = self.crossings.first_hit(rays.start, rays.d, rays.inside)
+        hit = self.crossings.first_hit(rays.start, rays.d, rays.inside, rays.left)
         film.lost[rays.slot[hit.lost]] = True
         missed, met = np.flatnonzero(hit.index < 0), np.flatnonzero(hit.index >= 0)
         film.add(rays.slot[missed], rays.weight[missed, None] * self.background)
@@ -165,8 +167,11 @@ class _Tracer:
         bent, cos2 = ratio[through, None], np.sqrt(1 - sin2_squared[through])[:, None]
         refraction_dir = _unit((d[through] + normal[through] * cos1[through, None]) * bent - normal[through] * cos2)
         both = np.concatenate([mirror, through])
+        left = rays.left[met]
+        if self.scene.tracing.range == "path":  # decision F4
+            left = np.maximum(left - hit.t[met], 0)
         return hit, _Rays(start.of(both), np.concatenate([reflection_dir, refraction_dir]),
-                          np.concatenate([inside[mirror], across]),
+                          np.concatenate([inside[mirror], across]), left[both],
                           np.concatenate([(weight * reflected)[mirror], (weight * refracted)[through]]), here[both])
 
     def _camera_rays(self, first: int, count: int, samples: int) -> _Rays:
@@ -178,7 +183,8 @@ class _Tracer:
         x, y = canvas_point(f, row, col, sample // samples, sample % samples, samples)
         d = _unit(x[:, None] * f.v_x + y[:, None] * f.v_y + f.v_dir)
         start = Start(np.broadcast_to(f.v_pos, d.shape), np.full(len(d), -1), np.zeros(d.shape))
-        return _Rays(start, d, np.broadcast_to(self.sides, (len(d), len(self.sides))), np.ones(len(d)), slot)
+        return _Rays(start, d, np.broadcast_to(self.sides, (len(d), len(self.sides))),
+                     np.full(len(d), self.scene.tracing.max_distance), np.ones(len(d)), slot)
 
     def picture(self):
         """All planes of a `Picture`, flat, and the number of rays."""
@@ -192,7 +198,7 @@ class _Tracer:
             hit = self.trace(rays, film)
             if samples > 1:  # the geometry planes belong to the pixel's centre
                 centre = self._camera_rays(first, count, 1)
-                hit = self.crossings.first_hit(centre.start, centre.d, centre.inside)
+                hit = self.crossings.first_hit(centre.start, centre.d, centre.inside, centre.left)
                 film.rays += count
             met = (hit.index >= 0)[:, None]
             position = centre.start.o + np.where(met, hit.t[:, None], np.nan) * centre.d

@@ -75,6 +75,7 @@ class _Rays:
     o: object  # mi.Point3f
     d: object  # mi.Vector3f, unit
     sides: Sides
+    left: object  # mi.Float, each one's range
     weight: object  # mi.Float
     slot: object  # mi.UInt32
 
@@ -94,6 +95,8 @@ class _Tracer:
         self.light_position = [column(light.position[k] for light in scene.lights) for k in range(3)]
         self.light_brightness = [column(light.brightness[k] for light in scene.lights) for k in range(3)]
         self.lights = dr.opaque(mi.UInt32, len(scene.lights))
+        self.ambient = dr.opaque(mi.Float, scene.tracing.ambient)
+        self.max_distance = dr.opaque(mi.Float, scene.tracing.max_distance)
         self.background = mi.Color3f(*(dr.opaque(mi.Float, c) for c in scene.background))
         self.transparent = any(m.transparency > 0 for m in materials)
         self.shiny = self.transparent or any(m.reflection > 0 for m in materials)
@@ -102,8 +105,9 @@ class _Tracer:
     # --- the document's shading --------------------------------------------------------------------------------------
     @dr.syntax
     def illumination(self, hit: MitsubaHit, sides: Sides, active):
-        """Section 4.3.1: the sum over lights of cos(phi) * brightness * intensity (decisions L1 to L3)."""
-        total, lost, j = mi.Color3f(0), mi.Bool(False), mi.UInt32(0)
+        """Section 4.3.1: the lights' cos(phi) * brightness * intensity, together (decisions L1 to L3, F1, F2)."""
+        total, lost, j = mi.Color3f(self.ambient), mi.Bool(False), mi.UInt32(0)
+        balanced = self.document.tracing.lights == "balanced"
         while j < self.lights:
             position = mi.Point3f(*(dr.gather(mi.Float, c, j) for c in self.light_position))
             brightness = mi.Color3f(*(dr.gather(mi.Float, c, j) for c in self.light_brightness))
@@ -112,7 +116,8 @@ class _Tracer:
             origin = spawn(hit.p, hit.facet, shadow_dir, self.crossings.offset)
             lit = active & (cos > 0)
             intensity, unsure = self.crossings.transmittance(origin, shadow_dir, dr.norm(position - origin), sides, lit)
-            total += brightness * dr.select(lit, cos * intensity, 0)
+            more = brightness * dr.select(lit, cos * intensity, 0)
+            total = 1 - (1 - total) * (1 - more) if balanced else total + more
             lost |= unsure
             j += 1
         return total, lost
@@ -142,7 +147,7 @@ class _Tracer:
 
     def _interact(self, rays: _Rays):
         """First hits, their own colour or the background, and (direction, weight, sides) of the secondary rays."""
-        hit = self.crossings.first_hit(rays.o, rays.d, rays.sides, rays.weight > 0)
+        hit = self.crossings.first_hit(rays.o, rays.d, rays.sides, rays.left, rays.weight > 0)
         pick = lambda column: dr.gather(mi.Float, column, hit.index, hit.met)
         R = pick(self.reflection)
         T = pick(self.transparency) if self.transparent else mi.Float(0)
@@ -171,6 +176,7 @@ class _Tracer:
         """The secondary rays that have weight, all kinds together, in queues of at most MOST_RAYS."""
         chosen = [(*kind, found) for kind in secondary if dr.width(found := dr.compress(kind[1] > 0))]
         total = sum(dr.width(found) for *_, found in chosen)
+        left = dr.maximum(rays.left - hit.t, 0) if self.document.tracing.range == "path" else rays.left  # F4, M5
         queues = []
         for start in range(0, total, MOST_RAYS):
             size = min(MOST_RAYS, total - start)
@@ -183,7 +189,8 @@ class _Tracer:
                 pick = lambda value: dr.gather(type(value), value, source, mine)
                 direction = pick(d)
                 theirs = _Rays(spawn(pick(hit.p), pick(hit.facet), direction, self.crossings.offset), direction,
-                               Sides([pick(w) for w in sides.words]), pick(rays.weight) * pick(weight), pick(rays.slot))
+                               Sides([pick(w) for w in sides.words]), pick(left), pick(rays.weight) * pick(weight),
+                               pick(rays.slot))
                 queue = dr.select(mine, theirs, queue) if queue else theirs
                 lane -= dr.opaque(mi.UInt32, dr.width(found))  # wraps around for the lanes that are served
             dr.eval(queue)
@@ -191,8 +198,10 @@ class _Tracer:
         return queues
 
     # --- camera and picture ------------------------------------------------------------------------------------------
-    def camera_difference(self) -> float:
-        """The largest difference of a component between our directions and those of the converted sensor."""
+    def camera_difference(self) -> float | None:
+        """The largest difference of a component between our directions and those of the converted sensor, if there is one."""
+        if self.converted.sensor is None:
+            return None
         ours = document_directions(self.document.camera, count=self.document.camera.width)
         return float(np.abs(pixel_directions(self.converted.sensor)[0] - ours).max())
 
@@ -205,7 +214,7 @@ class _Tracer:
         weight = dr.select(lane < dr.opaque(mi.UInt32, count * samples**2), mi.Float(1), 0)
         slot = dr.minimum(lane // samples**2, dr.opaque(mi.UInt32, count - 1))
         rays = _Rays(width(mi.Point3f(*self.document.camera.position)), mi.Vector3f(d.T),
-                     Sides([width(w) for w in self.sides.words]), weight, slot)
+                     Sides([width(w) for w in self.sides.words]), width(self.max_distance), weight, slot)
         dr.eval(rays)
         return rays
 
@@ -219,7 +228,7 @@ class _Tracer:
             film, deepest, lost, hit, traced = self.trace(self._camera_rays(first, count, samples), max(count, 2))
             if samples > 1:  # the geometry planes belong to the pixel's centre
                 centre = self._camera_rays(first, count, 1)
-                hit = self.crossings.first_hit(centre.o, centre.d, centre.sides, centre.weight > 0)
+                hit = self.crossings.first_hit(centre.o, centre.d, centre.sides, centre.left, centre.weight > 0)
                 traced += count
             numpy = lambda array: array.numpy().T[:count]
             met = numpy(hit.met)

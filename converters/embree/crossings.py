@@ -48,16 +48,16 @@ class EmbreeIntersector:
 
     def __init__(self, scene: Scene, converted: EmbreeScene):
         self.solids = [(k, solid) for k, solid in enumerate(converted.solids) if solid]
+        self.dimming = [(k, solid) for k, solid in self.solids if scene.casts_shadow(scene.objects[k])]
         self.transparency = np.array([obj.material.transparency for obj in scene.objects])
-        self.max_distance = scene.tracing.max_distance
 
-    def first_hit(self, start: Start, d, inside) -> EmbreeHit:
-        """The first crossing of each ray with any object within max_distance (decision M5); `inside` is (n, objects)."""
+    def first_hit(self, start: Start, d, inside, reach) -> EmbreeHit:
+        """The first crossing of each ray with any object within `reach` (decisions M5, F4); `inside` is (n, objects)."""
         count = len(d)
         t, index, triangle = np.full(count, np.inf), np.full(count, -1), np.zeros(count, int)
         lost = np.zeros(count, bool)
         for k, solid in self.solids:
-            limit = np.minimum(t, self.max_distance)
+            limit = np.minimum(t, reach)
             for ray, distance, met, crossing in self._hits(k, solid, start, d, limit, inside[:, k], lost):
                 found = ray[crossing]
                 t[found], index[found], triangle[found] = distance[crossing], k, met[crossing]
@@ -86,12 +86,12 @@ class EmbreeIntersector:
         lost[waiting] = True
 
     def transmittance(self, start: Start, d, distance, inside):
-        """The part of a light that arrives from `distance` away: transparency at every crossing (decision L3).
+        """The part of a light that arrives from `distance` away: transparency at every crossing (L3, F3).
 
         And whether that is undecided. All arrays hold one entry a ray.
         """
         intensity, lost = np.ones(len(d)), np.zeros(len(d), bool)
-        for k, solid in self.solids:
+        for k, solid in self.dimming:
             waiting = np.flatnonzero(intensity > 0)
             side, origin = inside[:, k].copy(), self._origins(k, solid, start, d)[waiting]
             for _ in range(MOST_CROSSINGS):

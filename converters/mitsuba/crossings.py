@@ -45,8 +45,8 @@ class MitsubaIntersector:
     def __init__(self, scene: Scene, converted: MitsubaScene, offset: float = OFFSET, refined: bool = False):
         self.scene, self.offset = converted.scene, offset
         self.index_of_shape = mi.UInt32(converted.index_of_shape)
-        self.transparency = mi.Float([o.material.transparency for o in scene.objects])
-        self.max_distance = dr.opaque(mi.Float, scene.tracing.max_distance)
+        # by how much each crossing dims light (decisions L3, F3)
+        self.dimming = mi.Float([o.material.transparency if scene.casts_shadow(o) else 1.0 for o in scene.objects])
         meshes = {k: part.error for k, part in enumerate(converted.parts) if part.kind == "mesh" and part.error is not None}
         self.refinement = Refinement(scene.objects, meshes) if refined else None
 
@@ -62,9 +62,9 @@ class MitsubaIntersector:
         leaving = dr.dot(d, si.n) > 0
         return si, dr.fma(d, si.t, o), found, index, found & ~(leaving ^ sides.test(index))
 
-    def first_hit(self, o, d, sides: Sides, active) -> MitsubaHit:
-        """The first crossing of each ray with any object within max_distance (decision M5)."""
-        hit = self._first_hit(o, d, sides, active)
+    def first_hit(self, o, d, sides: Sides, limit, active) -> MitsubaHit:
+        """The first crossing of each ray with any object within `limit` (decisions M5, F4)."""
+        hit = self._first_hit(o, d, sides, limit, active)
         if self.refinement:
             hit.t, hit.p, hit.normal = self.refinement.refined(o, d, hit.t, hit.normal, hit.index, hit.met)
         # by the facet: at a rim the interpolated normal may point either way
@@ -72,13 +72,13 @@ class MitsubaIntersector:
         return hit
 
     @dr.syntax
-    def _first_hit(self, o, d, sides: Sides, active) -> MitsubaHit:
+    def _first_hit(self, o, d, sides: Sides, limit, active) -> MitsubaHit:
         """The same as Mitsuba has it, the normal out of the solid."""
         origin, passed, tries = mi.Point3f(o), mi.Float(0), mi.UInt32(0)
         t, p, facet, normal = mi.Float(dr.inf), mi.Point3f(o), mi.Vector3f(0), mi.Vector3f(0)
         index, met, searching = mi.UInt32(0), mi.Bool(False), mi.Bool(active)
         while searching:
-            si, place, found, candidate, crossing = self._meet(origin, d, self.max_distance - passed, sides, searching)
+            si, place, found, candidate, crossing = self._meet(origin, d, limit - passed, sides, searching)
             t = dr.select(crossing, passed + si.t, t)
             p = dr.select(crossing, place, p)
             facet = dr.select(crossing, mi.Vector3f(si.n), facet)
@@ -94,13 +94,13 @@ class MitsubaIntersector:
 
     @dr.syntax
     def transmittance(self, o, d, distance, sides: Sides, active):
-        """The part of a light that reaches o from `distance` away: transparency at every crossing (decision L3)."""
+        """The part of a light that reaches o from `distance` away: transparency at every crossing (L3, F3)."""
         intensity = dr.select(active, mi.Float(1), 0)
         origin, passed, tries, searching = mi.Point3f(o), mi.Float(0), mi.UInt32(0), mi.Bool(active)
         words = Sides([mi.UInt64(w) for w in sides.words])
         while searching:
             si, place, found, index, crossing = self._meet(origin, d, distance - passed, words, searching)
-            intensity *= dr.select(crossing, dr.gather(mi.Float, self.transparency, index, crossing), 1)
+            intensity *= dr.select(crossing, dr.gather(mi.Float, self.dimming, index, crossing), 1)
             words = Sides.select(crossing, words.flipped(index), words)
             passed = dr.select(found, passed + si.t, passed)
             origin = dr.select(found, spawn(place, si.n, d, self.offset), origin)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from reference_tracer.backend import backend
 from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.model import Light, Material, Object, Scene
+from reference_tracer.scene.model import Light, Material, Object, Scene, Tracing
 
 from . import plugins  # noqa: F401  registers them
 from .shapes import native
@@ -20,8 +20,15 @@ Dress = Callable[[Object], dict]
 def dressed(scene: Scene, dress: Dress, lights: dict[str, dict] | None = None) -> mi.Scene:
     """The objects of `scene` as native shapes with what `dress` gives each: {"bsdf": ..., "emitter": ...}.
 
-    `lights` are further plugins. Raises UnsupportedError for an object that Mitsuba has no exact shape for.
+    `lights` are further plugins. Raises UnsupportedError for an object that Mitsuba has no exact shape for, and for what
+    no light transport does: decisions F1 to F4.
     """
+    for name in ("lights", "ambient", "shadows", "range"):
+        if (asked := getattr(scene.tracing, name)) != getattr(Tracing(), name):
+            raise UnsupportedError(f"Mitsuba's own light transport adds lights, dims them at every crossing and ends no ray "
+                                   f"early; it has no counterpart of tracing.{name} {asked}")
+    if hidden := [k for k, obj in enumerate(scene.objects) if not obj.shadow]:
+        raise UnsupportedError(f"in Mitsuba's own light transport every object casts a shadow; object {hidden[0]} must not")
     backend()  # a machine without LLVM is told so in one line
     parts = {}
     # fp32 has few digits left near us on a plane that reaches to far lights, or as far as many generations could

@@ -38,7 +38,7 @@ class MitsubaScene:
     """A converted scene."""
 
     scene: mi.Scene
-    sensor: mi.Sensor
+    sensor: mi.Sensor | None  # None for a camera that Mitsuba has no sensor for (decision F5): its rays are to be given
     index_of_shape: np.ndarray  # (k,) uint32: the object in scene order of the shape with that registry id
     parts: tuple[Part, ...]  # in scene order
     seconds: float  # spent on meshes and on Mitsuba's own structures
@@ -82,7 +82,8 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
     converted = mi.load_dict({"type": "scene", "embree_use_robust_intersections": True,
                               **{f"object-{index}": shape for index, shape in made.items()}})
     dr.sync_thread()
-    return MitsubaScene(converted, sensor(scene.camera), _table(made), tuple(parts), time.perf_counter() - start)
+    seen_by = None if scene.camera.is_oblique else sensor(scene.camera)
+    return MitsubaScene(converted, seen_by, _table(made), tuple(parts), time.perf_counter() - start)
 
 
 def _table(shapes: dict[int, mi.Shape]) -> np.ndarray:

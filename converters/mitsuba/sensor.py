@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reference_tracer.errors import UnsupportedError
 from reference_tracer.scene.model import Camera
 from reference_tracer.tracer.camera import canvas_point, frame
 
@@ -13,8 +14,11 @@ from .variant import mi
 def sensor(camera: Camera, samples: int = 1) -> mi.Sensor:
     """A perspective sensor whose pixel centres look along the rays of section 2 (to fp32 accuracy).
 
-    `samples` = n^2 a pixel lie in the centres of n x n cells (section 5).
+    `samples` = n^2 a pixel lie in the centres of n x n cells (section 5). Raises UnsupportedError for axes of decision F5.
     """
+    if camera.is_oblique:
+        raise UnsupportedError("Mitsuba's cameras have axes at right angles, v_x to the right and v_y up; these (decision F5) "
+                               "have not")
     f = frame(camera)
     to_world = mi.ScalarTransform4f().look_at(
         origin=f.v_pos.tolist(), target=(f.v_pos + f.v_dir).tolist(), up=f.v_y.tolist())

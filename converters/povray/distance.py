@@ -52,7 +52,7 @@ def far_shadows(scene: Scene) -> str:
             where = _part_of(region, lit)
             if _all_near(lit, lamp, where, starts, distance):
                 continue
-            for obj in scene.objects:
+            for obj in filter(scene.casts_shadow, scene.objects):
                 if not _never_hides_from_afar(obj, lamp, where, distance):
                     return (f"{obj.name or obj.surface.type} may hide light {number} from parts of "
                             f"{lit.name or lit.surface.type} farther than {distance:g} from it")

@@ -18,12 +18,12 @@ MOST_TRANSMITTED = 1 - 2.0**-18  # the body must keep something to be lit by
 LIT, GLOWING = "diffuse", "emission"  # what an object's own part of a colour comes from
 
 
-def opaque(m: Material, own: str = LIT) -> str:
-    return (f"pigment {{ {_pigment(m, 0, own)} }} finish {{ {own} {number(1 - m.reflection)} "
+def opaque(m: Material, own: str = LIT, ambient: float = 0.0) -> str:
+    return (f"pigment {{ {_pigment(m, 0, own)} }} finish {{ {_own(own, 1 - m.reflection, ambient)} "
             f"reflection {{ {number(m.reflection)} }} }}")
 
 
-def body(m: Material, ior: float, own: str = LIT) -> str:
+def body(m: Material, ior: float, own: str = LIT, ambient: float = 0.0) -> str:
     """What camera, reflected and refracted rays see of a transparent object."""
     R, T = m.reflection, m.transparency
     weight = (1 - R) * (1 - T)
@@ -33,7 +33,7 @@ def body(m: Material, ior: float, own: str = LIT) -> str:
     transmitted = float(np.float32(transmitted))  # POV-Ray keeps colours in fp32
     if weight:
         weight /= 1 - transmitted
-    return (f"pigment {{ {_pigment(m, transmitted, own)} }} finish {{ {own} {number(weight)} "
+    return (f"pigment {{ {_pigment(m, transmitted, own)} }} finish {{ {_own(own, weight, ambient)} "
             f"reflection {{ {number(R * (1 - T))} }} refraction {number(T / transmitted)} }} "
             f"interior {{ ior {number(ior)} }} no_shadow")
 
@@ -41,6 +41,11 @@ def body(m: Material, ior: float, own: str = LIT) -> str:
 def twin(m: Material) -> str:
     """What shadow rays see of a transparent object."""
     return f"pigment {{ rgbt <1,1,1,{number(m.transparency)}> }} no_image no_reflection"
+
+
+def _own(own: str, weight: float, ambient: float) -> str:
+    """An object's own part of a colour, of that weight; lit by `ambient` without any light (decision F2)."""
+    return f"{own} {number(weight)}" + (f" {GLOWING} {number(weight * ambient)}" if ambient and own == LIT else "")
 
 
 def _pigment(m: Material, transmitted: float, own: str) -> str:

@@ -98,11 +98,14 @@ class Conversion:
             case "normal":
                 return [(seen, passes.NORMAL)]
         own, m = materials.LIT if shown == "color" else materials.GLOWING, obj.material
+        ambient, casts_shadow = self.scene.tracing.ambient / self.brightest, self.scene.casts_shadow(obj)
+        twin = [(shadow, materials.twin(m))] if casts_shadow else []
         if m.transparency:
-            return [(seen, materials.body(m, self.indices[k], own)), (shadow, materials.twin(m))]
+            return [(seen, materials.body(m, self.indices[k], own, ambient)), *twin]
+        dress = materials.opaque(m, own, ambient)
         if self._is_clipped(k):
-            return [(seen, f"{materials.opaque(m, own)} no_shadow"), (shadow, materials.twin(m))]
-        return [(seen, materials.opaque(m, own))]
+            return [(seen, f"{dress} no_shadow"), *twin]
+        return [(seen, dress if casts_shadow else f"{dress} no_shadow")]
 
     def _shapes(self, k: int, obj: Object, with_secondary_rays: bool) -> tuple[str | None, str | None]:
         """The whole shape of object `k`, and what rays that look for a hit may see of it; None where that is nothing."""
@@ -155,7 +158,8 @@ def convert(scene: Scene, shapes: str = "native", accuracy: float = ACCURACY) ->
     containers = {k: _container(scene, scene.objects[k]) for k in as_isosurface}
     gradients = {k: max_gradient(Placed(scene.objects[k]), box) for k, box in containers.items() if box is not None}
     proven = frozenset(k for k, (_, is_proof) in gradients.items() if is_proof)
-    brightest = max(*(sum(light.brightness[c] for light in scene.lights) for c in range(3)), *scene.background) or 1.0
+    brightest = max(*(scene.tracing.ambient + sum(light.brightness[c] for light in scene.lights) for c in range(3)),
+                    *scene.background) or 1.0
     goes_on = any(o.material.reflection or o.material.transparency for o in scene.objects)
     remarks = [far_shadows(scene), *(f"{_name(scene.objects[k])}: {told}" for k in as_isosurface
                                      if (told := Placed(scene.objects[k]).unproven))]
@@ -205,6 +209,11 @@ def _require_expressible(scene: Scene) -> None:
     tracing = scene.tracing
     if tracing.refraction != "snell":
         raise UnsupportedError("POV-Ray refracts by Snell's law; the misprinted formula (decision E1) cannot be expressed")
+    if tracing.lights != "sum":
+        raise UnsupportedError("POV-Ray adds lights; their balanced combination (decision F1) cannot be expressed")
+    if tracing.range != "ray":
+        raise UnsupportedError("POV-Ray ends all rays at one distance; a range shared along a path (decision F4) cannot be "
+                               "expressed")
     for name in ("cutoff", "adaptive"):
         if getattr(tracing, name):
             raise UnsupportedError(f"POV-Ray has no counterpart of {name}; set it to 0")

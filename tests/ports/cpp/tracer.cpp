@@ -113,6 +113,7 @@ struct Object {
     Vec center;
     bool rotated = false;
     Vec column_x, column_y, column_z;  // of the rotation matrix (O3): the surface's axes in the world
+    bool shadow = true;
     Vec color;
     double reflection = 0, transparency = 0, refractive_index = 1;
 
@@ -159,21 +160,25 @@ struct Hit {
 
 struct Scene {
     Vec position, direction, up;
+    bool has_axes = false;  // of its own, v_x and v_y (F5)
+    Vec v_x, v_y;
     double fov = 60;
     int width = 0, height = 0;
     double step_size = 0.1, tolerance = 1e-12, max_distance = 30;
     int max_iterations = 20, max_depth = 8, samples = 1;
+    bool balanced = false, opaque_only = false, shared_range = false;  // F1, F3, F4
+    double ambient = 0;  // F2
     Vec background;
     std::vector<Object> objects;
     std::vector<Light> lights;
 
     // --- tracing the light rays [4.1, 4.2] ---
-    Hit first_hit(Vec o, Vec d, const Sides& sides) const {
+    Hit first_hit(Vec o, Vec d, const Sides& sides, double range) const {
         Hit hit;
         double t = 0;
-        for (int step = 1; t < max_distance && hit.index < 0; step++) {  // every ray ends at max_distance (M5)
+        for (int step = 1; t < range && hit.index < 0; step++) {
             double before = (step - 1) * step_size;
-            t = std::min(step * step_size, max_distance);
+            t = std::min(step * step_size, range);
             Vec point = o + d * t;
             for (size_t k = 0; k < objects.size(); k++) {
                 if (objects[k].is_inside(point) != static_cast<bool>(sides[k])) {
@@ -203,6 +208,7 @@ struct Scene {
             t = std::min(step * step_size, distance);
             Vec point = o + d * t;
             for (size_t k = 0; k < objects.size(); k++) {
+                if (!objects[k].shadow || (opaque_only && objects[k].transparency > 0)) continue;  // F3
                 char inside = objects[k].is_inside(point);
                 if (inside != sides[k]) {
                     intensity *= objects[k].transparency;  // at every crossing (L3)
@@ -214,12 +220,12 @@ struct Scene {
     }
 
     // --- simulating the collision [4.3] ---
-    Vec trace(Vec o, Vec d, const Sides& sides, int depth) const {
+    Vec trace(Vec o, Vec d, const Sides& sides, double range, int depth) const {
         if (depth > max_depth) return background;  // D1
-        return shade(o, d, sides, first_hit(o, d, sides), depth);
+        return shade(o, d, sides, range, first_hit(o, d, sides, range), depth);
     }
 
-    Vec shade(Vec o, Vec d, const Sides& sides, Hit hit, int depth) const {
+    Vec shade(Vec o, Vec d, const Sides& sides, double range, Hit hit, int depth) const {
         if (hit.index < 0) return background;  // D2
         const Object& object = objects[hit.index];
         Vec point = o + d * hit.t;
@@ -227,34 +233,38 @@ struct Scene {
         if (dot(d, normal) > 0) normal = -normal;  // turned against the ray (N1)
         double cos1 = std::min(-dot(d, normal), 1.0);
 
-        Vec illumination;
-        for (const Light& light : lights) {  // plain sum (L1)
+        // every ray has max_distance of its own (M5), or shares it with those that follow (F4)
+        double left = shared_range ? std::max(range - hit.t, 0.0) : max_distance;
+
+        Vec illumination{ambient, ambient, ambient};  // F2
+        for (const Light& light : lights) {
             double distance = length(light.position - point);
             Vec shadow_dir = (light.position - point) * (1 / distance);
             double cos = dot(shadow_dir, normal);
             if (!(cos > 0)) continue;  // L2
             double intensity = light_through(point, shadow_dir, distance, sides);
-            illumination = illumination + light.brightness * (cos * intensity);
+            Vec more = light.brightness * (cos * intensity), one{1, 1, 1};
+            illumination = balanced ? one - (one - illumination) * (one - more) : illumination + more;  // F1, L1
         }
         Vec visible = object.color * illumination;
 
         Vec reflection_dir = normalize(d + normal * (2 * cos1));  // [4.3.2], renormalised (R4)
         Vec reflected, refracted;
-        if (object.reflection > 0) reflected = trace(point, reflection_dir, sides, depth + 1);
+        if (object.reflection > 0) reflected = trace(point, reflection_dir, sides, left, depth + 1);
 
         if (object.transparency > 0) {  // [4.3.3]
             bool leaving = sides[hit.index];  // pairwise with air, by the side the ray is on (R1)
             double n1 = leaving ? object.refractive_index : 1, n2 = leaving ? 1 : object.refractive_index;
             double sin1 = std::sqrt(std::max(1 - cos1 * cos1, 0.0));
             if (sin1 > n2 / n1) {  // total internal reflection: the shared direction is traced once (R3)
-                refracted = object.reflection > 0 ? reflected : trace(point, reflection_dir, sides, depth + 1);
+                refracted = object.reflection > 0 ? reflected : trace(point, reflection_dir, sides, left, depth + 1);
             } else {
                 double sin2 = sin1 * (n1 / n2);  // E1
                 double cos2 = std::sqrt(std::max(1 - sin2 * sin2, 0.0));
                 Vec refraction_dir = normalize((d + normal * cos1) * (n1 / n2) - normal * cos2);
                 Sides through = sides;
                 through[hit.index] = !through[hit.index];  // M3
-                refracted = trace(point, refraction_dir, through, depth + 1);
+                refracted = trace(point, refraction_dir, through, left, depth + 1);
             }
         }
         double R = object.reflection, T = object.transparency;  // [4.3.4]
@@ -270,13 +280,13 @@ struct Picture {
     std::vector<double> t;
 };
 
-struct Camera {  // C1
+struct Camera {  // C1, F5
     Vec v_dir, v_x, v_y;
     double ratio;
     explicit Camera(const Scene& scene) {
         v_dir = normalize(scene.direction);
-        v_x = normalize(cross(scene.up, v_dir));
-        v_y = cross(v_dir, v_x);
+        v_x = normalize(scene.has_axes ? scene.v_x : cross(scene.up, v_dir));
+        v_y = scene.has_axes ? normalize(scene.v_y) : cross(v_dir, v_x);
         ratio = 2 * std::tan(PI * scene.fov / 360) / std::max(scene.width, scene.height);
     }
     Vec ray(const Scene& scene, double row, double col) const {
@@ -290,13 +300,13 @@ void render_row(const Scene& scene, const Camera& camera, const Sides& sides, in
     int n = scene.samples;
     for (int col = 0; col < scene.width; col++) {
         Vec d = camera.ray(scene, row + 0.5, col + 0.5);
-        Hit centre = scene.first_hit(scene.position, d, sides);
+        Hit centre = scene.first_hit(scene.position, d, sides, scene.max_distance);
         Vec sum;
-        if (n == 1) sum = scene.shade(scene.position, d, sides, centre, 0);
+        if (n == 1) sum = scene.shade(scene.position, d, sides, scene.max_distance, centre, 0);
         for (int i = 0; i < n && n > 1; i++)  // sub-pixel centres, plain mean (C2)
             for (int j = 0; j < n; j++) {
                 Vec sample = camera.ray(scene, row + (i + 0.5) / n, col + (j + 0.5) / n);
-                sum = sum + scene.trace(scene.position, sample, sides, 0);
+                sum = sum + scene.trace(scene.position, sample, sides, scene.max_distance, 0);
             }
         size_t pixel = static_cast<size_t>(row) * scene.width + col;
         picture.color[pixel] = sum * (1.0 / (n * n));
@@ -334,6 +344,11 @@ std::unique_ptr<Surface> read_surface(std::istream& in, const std::string& kind)
     throw std::runtime_error("unknown surface " + kind);
 }
 
+bool either(const std::string& word, const char* yes, const char* no) {
+    if (word != yes && word != no) throw std::runtime_error("unknown word " + word);
+    return word == yes;
+}
+
 Scene read_scene(const std::string& path) {
     std::ifstream file(path);
     if (!file) throw std::runtime_error(path + " cannot be read");
@@ -347,6 +362,18 @@ Scene read_scene(const std::string& path) {
         } else if (key == "tracing") {
             in >> scene.step_size >> scene.tolerance >> scene.max_iterations;
             in >> scene.max_distance >> scene.max_depth >> scene.samples;
+        } else if (key == "axes") {
+            in >> scene.v_x >> scene.v_y;
+            scene.has_axes = true;
+        } else if (key == "figures") {
+            std::string lights, shadows, range;
+            in >> lights >> scene.ambient >> shadows >> range;
+            scene.balanced = either(lights, "balanced", "sum");
+            scene.opaque_only = either(shadows, "opaque_only", "attenuate");
+            scene.shared_range = either(range, "path", "ray");
+        } else if (key == "shadowless") {
+            size_t k;
+            if (in >> k) scene.objects.at(k).shadow = false;
         } else if (key == "background") {
             in >> scene.background;
         } else if (key == "light") {
