@@ -118,7 +118,7 @@ def test_all_crossings_of_a_torus_are_counted():
     intensity, lost = crossings.transmittance(_from(3 * across), -across, np.full(200, 6.0), np.zeros((200, 1), bool))
     assert intensity == pytest.approx(0.5**4) and not lost.any()
     # and from every first hit on, as a shadow ray leaves it: the three that are left
-    hit = crossings.first_hit(_from(3 * across), -across, np.zeros((200, 1), bool))
+    hit = crossings.first_hit(_from(3 * across), -across, np.zeros((200, 1), bool), 30.0)
     start = Start(3 * across - hit.t[:, None] * across, hit.index, hit.facet)
     intensity, _ = crossings.transmittance(start, -across, np.full(200, 6.0), np.ones((200, 1), bool))
     assert intensity == pytest.approx(0.5**3)

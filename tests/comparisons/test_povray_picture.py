@@ -29,6 +29,7 @@ BALL = thing(Sphere(center=(0.0, 0.3, 4.0), r=1.2), color=(0.4, 0.5, 0.9), trans
              reflection=0.1)
 CORE = thing(Sphere(center=(0.2, 0.3, 4.0), r=0.5), color=(0.9, 0.5, 0.4), transparency=0.7, refractive_index=1.0,
              reflection=0.2)
+SHADOWLESS = thing(Sphere(center=(-1.5, 0.0, 5.0), r=0.9), color=(0.9, 0.2, 0.2)).model_copy(update={"shadow": False})
 TURN = Rotation(axis=(1.0, 0.4, 0.2), degrees=35.0)
 CUBE = Bounds(low=(-1.0,) * 3, high=(1.0,) * 3)
 INNER = Bounds(low=(-0.8,) * 3, high=(0.8,) * 3)
@@ -55,6 +56,15 @@ SCENES = {
     "background beyond the last generation": scene(FLOOR, BALL, background=(0.2, 0.3, 0.5), tracing=Tracing(max_depth=2)),
     "rays end": scene(FLOOR, BALL, tracing=Tracing(max_distance=6.0)),
     "no shadows, four samples": scene(DULL, BALL, tracing=Tracing(effects=("reflection", "refraction"), samples=2)),
+    "ambient light": scene(FLOOR, BALL, CORE, background=(0.1, 0.1, 0.2), tracing=Tracing(ambient=0.3, max_depth=3)),
+    "shadows of what is opaque": scene(FLOOR, BALL, thing(Sphere(center=(-1.5, 0.0, 5.0), r=0.9), color=(0.9, 0.2, 0.2)),
+                                       tracing=Tracing(shadows="opaque_only")),
+    "objects without shadows": scene(FLOOR, BALL.model_copy(update={"shadow": False}), SHADOWLESS),
+    "axes at no right angles": scene(FLOOR, BALL).model_copy(update={"camera": Camera(
+        direction=(0.1, -0.1, 1.0), v_x=(1.0, 0.0, 0.0), v_y=(0.1, 1.0, 0.0), width=120, height=90)}),
+    "isosurface without a shadow": scene(DULL, thing(Expression(formula="x**4 + y**4 + z**4 - cbrt(0.5)", center=(0.3, 0.0, 4.5),
+                                                                bounds=CUBE)).model_copy(update={"shadow": False}),
+                                         tracing=Tracing(max_distance=15.0, ambient=0.1)),
     "isosurfaces": scene(DULL, thing(Heart(center=(-0.9, 0.2, 4.0)), TURN, color=(0.9, 0.2, 0.3)),
                          thing(Expression(formula="x**4 + y**4 + z**4 - cbrt(0.5)", center=(1.3, 0.0, 4.5), bounds=CUBE), TURN,
                                color=(0.3, 0.8, 0.4)),
@@ -120,6 +130,10 @@ def wrong(of: Scene, pattern: str, replacement) -> float:
     ("camera within glass", " inverse", "", 1e-2),  # the twin taken for a second medium
     ("rays end", r"max_trace_level 9", "max_trace_level 2", 1e-3),
     ("nested glass, one of index 1", r"ior 1\.3\d*", "ior 1.5", 1e-2),
+    ("ambient light", r"emission 0\.\d*[1-9]\d*", "emission 0", 1e-2),
+    ("ambient light", r"diffuse ([\d.]+) emission [\d.]+", r"diffuse \1 emission 0.3", 1e-2),  # the same for any material
+    ("objects without shadows", r" no_shadow", "", 1e-2),
+    ("axes at no right angles", r"up <[^>]*>", "up <0.0,0.866,0.0>", 1e-2),
     ("primitives", r"torus \{ 0\.7, 0\.2 sturm", "torus { 0.7, 0.2001 sturm", 1e-3),
 ], ids=lambda v: v if isinstance(v, str) else "")
 def test_a_wrong_conversion_is_found(name, pattern, replacement, error):

@@ -1,5 +1,7 @@
 """The C++ port and `paper` share nothing but the document: where they agree, both follow it."""
 
+import subprocess
+
 import numpy as np
 import pytest
 
@@ -44,6 +46,47 @@ def test_the_port_agrees_with_paper(name):
     off, excused = differing(scene, render(scene, "paper"), port.render(scene))
     assert off == excused
     assert excused <= MOST_EXCUSED * scene.camera.width * scene.camera.height
+
+
+def _oblique(scene):
+    camera = scene.camera.model_copy(update={"v_x": (1.0, 0.1, 0.0), "v_y": (0.0, 1.0, 0.1)})
+    return scene.model_copy(update={"camera": camera})
+
+
+def _shadowless(scene):
+    return scene.model_copy(update={"objects": tuple(o.model_copy(update={"shadow": k % 2 == 0})
+                                                     for k, o in enumerate(scene.objects))})
+
+
+SWITCHES = {"F1": lambda scene: scene.traced_with(lights="balanced"), "F2": lambda scene: scene.traced_with(ambient=0.1),
+            "F1 and F2": lambda scene: scene.traced_with(lights="balanced", ambient=0.1),
+            "F3": lambda scene: scene.traced_with(shadows="opaque_only"),
+            "F4": lambda scene: scene.traced_with(range="path", max_distance=25.0), "F5": _oblique, "shadow": _shadowless}
+
+
+@pytest.mark.filterwarnings("ignore:invalid value encountered in subtract")
+@pytest.mark.parametrize("name", SWITCHES)
+def test_the_port_follows_every_switch(name):
+    scene = small("figure-17-scene1")
+    switched = SWITCHES[name](scene)
+    ours, theirs = render(switched, "paper"), port.render(switched)
+    off, excused = differing(switched, ours, theirs)
+    assert off == excused and excused <= MOST_EXCUSED * 4800
+    assert np.sum(np.abs(theirs.color - port.render(scene).color).max(axis=-1) > 0.01) > 100
+
+
+def test_a_scene_without_switches_is_written_as_ever():
+    text = plain(library.scene("figure-17-scene1"))
+    assert not {"axes", "figures", "shadowless"} & {line.split()[0] for line in text.splitlines()}
+
+
+@pytest.mark.parametrize("line, word", [("figures some 0 attenuate ray", "unknown word some"), ("figures sum 0", "incomplete"),
+                                        ("axes 1 0 0 0 1", "incomplete")])
+def test_the_port_refuses_words_it_does_not_know(tmp_path, line, word):
+    file = tmp_path / "scene.txt"
+    file.write_text(plain(small("figure-05-sphere")) + line + "\n")
+    done = subprocess.run([port.build(), file, tmp_path / "out"], capture_output=True, text=True)
+    assert done.returncode == 1 and word in done.stderr and not (tmp_path / "out").exists()
 
 
 @pytest.mark.filterwarnings("ignore:invalid value encountered in subtract")
