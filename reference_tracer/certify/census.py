@@ -83,7 +83,9 @@ class Census:
             rows["kind"] = PRIMARY
         else:
             rows["kind"] = np.where(numpy(wave.refracted, count), REFRACTION, REFLECTION)
-        rows["limit"] = numpy(self.audited.range_of(wave.ray), count)
+        # what the ray carries (decision F4), and not what the audited method makes of it
+        left = wave.ray.left
+        rows["limit"] = self.audited.scene.tracing.max_distance if left is None else numpy(left, count)
         for name, hit in (("audited", interaction.hit), ("proven", proven)):
             index = numpy(hit.index, count).astype(np.int64)
             met = index < self.audited.object_count

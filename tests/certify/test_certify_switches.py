@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from certify_support import make_scene, mirror_and_glass, thing
-from flint import arb
+from flint import arb, ctx
 
 from reference_tracer.certify import certify
 from reference_tracer.certify.precise import PreciseTracer
@@ -63,7 +63,11 @@ def test_a_tracer_without_the_switch_does_not(name, monkeypatch):
     scene = switched(name)
     _without(name, monkeypatch)
     certificate = certify(scene, sample=120, paths=10)
-    assert not certificate.passed and (certificate.paths.above_bar + len(certificate.paths.wrong) > 0)
+    assert not certificate.passed
+    if name in ("F1", "F2", "F5"):  # no ray is wrong: the colours are, which only the 77-digit paths know
+        assert certificate.paths.above_bar + len(certificate.paths.wrong) > 0 and not certificate.findings
+    else:
+        assert {finding.rays for finding in certificate.findings} <= {"shadow", "reflection", "refraction"}
 
 
 def test_seventy_seven_digits_of_every_switch():
@@ -71,14 +75,17 @@ def test_seventy_seven_digits_of_every_switch():
     behind clear glass, whose shadow is not dark, on a path that ends before or behind the wall."""
     lamps = (((0, 0, 0), 0.75), ((3, 0, 0), 0.5))
     wall = thing("plane", (0, 0, 4), {}, a=0, b=0, c=-1)
-    color = lambda scene: PreciseTracer(scene).pixel(1, 1).color[0]
-    close = lambda value, expected: abs(value - arb(expected)) < arb(10)**-60
+
+    def shows(scene, expected):
+        with ctx.workprec(300):
+            return abs(PreciseTracer(scene).pixel(1, 1).color[0] - arb(expected)) < arb(10)**-60
+
     plain = make_scene(wall, lights=lamps, size=(3, 3))
     for changes, expected in (({}, "1.15"), ({"lights": "balanced"}, "0.85"), ({"ambient": 0.25}, "1.4"),
                               ({"lights": "balanced", "ambient": 0.25}, "0.8875")):
-        assert close(color(plain.traced_with(**changes)), expected)
+        assert shows(plain.traced_with(**changes), expected)
     glass = thing("sphere", (0, 0, 2), {"transparency": 1, "color": (0, 0, 0), "refractive_index": 1.0}, r=0.5)
     for max_distance, expected in ((4.1, "1.15"), (3.9, "0")):
         scene = make_scene(glass, wall, lights=lamps, size=(3, 3), range="path", shadows="opaque_only",
                            max_distance=max_distance)
-        assert close(color(scene), expected)
+        assert shows(scene, expected)

@@ -367,7 +367,7 @@ Scene read_scene(const std::string& path) {
             scene.has_axes = true;
         } else if (key == "figures") {
             std::string lights, shadows, range;
-            in >> lights >> scene.ambient >> shadows >> range;
+            if (!(in >> lights >> scene.ambient >> shadows >> range)) throw std::runtime_error("incomplete line: " + line);
             scene.balanced = either(lights, "balanced", "sum");
             scene.opaque_only = either(shadows, "opaque_only", "attenuate");
             scene.shared_range = either(range, "path", "ray");
