@@ -178,7 +178,8 @@ class Scene(Part):
     @property
     def hash(self) -> str:
         """SHA-256 of everything that can change a pixel; names and descriptions do not count."""
-        content = self.model_dump(mode="json", exclude={"schema_", "name", "title", "figure", "description", "estimates"})
+        content = self.model_dump(mode="json", by_alias=True,
+                                  exclude={"schema_", "name", "title", "figure", "description", "estimates"})
         for object_ in content["objects"]:
             object_.pop("name")
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
