@@ -136,12 +136,10 @@ class Dual:
                                                    for d in self.derivatives))
 
     def floor(self):
-        value = fn.floor(self.value)
-        return self._chain(value, fn.flat(value))
+        return self._chain(fn.floor(self.value), fn.flat_slope(fn.floor, self.value))
 
     def heaviside(self):
-        value = fn.heaviside(self.value)
-        return self._chain(value, fn.flat(value))
+        return self._chain(fn.heaviside(self.value), fn.flat_slope(fn.heaviside, self.value))
 
     def atan2(self, x):
         """The angle of (x, self); over a box that meets the cut its slopes are NaN, as over any jump."""

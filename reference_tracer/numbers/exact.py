@@ -10,6 +10,7 @@ import math
 
 from flint import arb, arb_series, fmpq, fmpq_poly
 
+from .jumps import side
 from .polynomial import NotAlgebraic
 
 ORDER = 3  # coefficients of a Series: value, first derivative, half the second
@@ -237,7 +238,13 @@ class Series:
         if not self.s[0].is_finite():
             return self._undefined()
         low, high = function(self.s[0].lower()), function(self.s[0].upper())
-        return Series(arb_series([low]), nonnegative) if low == high else self._cusp(low, high, nonnegative)
+        if low == high:
+            return Series(arb_series([low]), nonnegative)
+        return self._cusp(*side(low, high, lambda holds, a, b: a if holds else b), nonnegative)
+
+    def hull(self, other) -> Series:
+        """Of the values; nothing is known of derivatives."""
+        return self._cusp(self.s[0], other.s[0], self.nonnegative and other.nonnegative)
 
     def atan2(self, x):
         x = self._of(x)

@@ -13,7 +13,7 @@ import drjit as dr
 import numpy as np
 
 __all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "floor", "heaviside", "atan2", "power", "minimum",
-           "maximum", "select", "fma", "where_larger", "add", "sub", "mul", "quotient", "whole_power", "of_sign", "flat"]
+           "maximum", "select", "fma", "where_larger", "add", "sub", "mul", "quotient", "whole_power", "of_sign", "flat_slope"]
 
 # Dr.Jit's fp64 sine and cosine are good to an absolute 2**-52 below this angle, and from about 2**31.6 on they return
 # numbers of any size: `make enclosures`. Beyond it Dr.Jit's floats have none here, NaN, and
@@ -76,11 +76,11 @@ floor = _elementary("floor", lambda x: float(math.floor(x)))
 heaviside = _elementary("heaviside", lambda x: 0.0 if x < 0 else 1.0 if x >= 0 else x, lambda x: np.heaviside(x, 1.0))
 
 
-def flat(value):
-    """The slope of a function that is constant between jumps, of which `value` is one value or encloses some: 0, and NaN,
-    which bounds nothing, where it encloses values on both sides of a jump."""
-    method = getattr(value, "flat", None)
-    return 0.0 * value if method is None else method()
+def flat_slope(function, x):
+    """The slope at x of a function that is constant between jumps: 0, and NaN, which bounds nothing, where x is an interval
+    with a jump in it."""
+    method = getattr(x, "flat_slope", None)
+    return 0.0 * function(x) if method is None else method(function)
 
 
 def atan2(y, x):

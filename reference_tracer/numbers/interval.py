@@ -24,6 +24,7 @@ import drjit as dr
 import numpy as np
 
 from . import functions as fn
+from .jumps import side
 
 _PI = math.pi
 _ULP = 2.0**-52  # one unit in the last place of 1.0, fp64
@@ -282,14 +283,14 @@ class Interval:
         return type(self)(_high(self.low, -self.high, 0.0), _high(self.high, -self.low), True)
 
     def floor(self):
-        return type(self)(fn.floor(self.low), fn.floor(self.high), self.nonnegative)
+        return type(self)(*side(fn.floor(self.low), fn.floor(self.high)), self.nonnegative)
 
     def heaviside(self):
-        return type(self)(fn.heaviside(self.low), fn.heaviside(self.high), True)
+        return type(self)(*side(fn.heaviside(self.low), fn.heaviside(self.high)), True)
 
-    def flat(self):
-        """See functions.flat."""
-        slope = fn.select(self.low == self.high, 0.0, math.nan)
+    def flat_slope(self, function):
+        """See functions.flat_slope."""
+        slope = fn.select(function(self.low) == function(self.high), 0.0, math.nan)
         return type(self)(slope, slope)
 
     def atan2(self, x):

@@ -9,10 +9,11 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PlainSerializer, StringConstraints, WithJsonSchema, field_validator
 
+from ..numbers.jumps import both_sides
 from ..numbers.polynomial import HIGHEST_DEGREE
 from .conditioning import drowns
 from .exact_polynomial import is_definite
-from .formula import FormulaError, Node, degree, evaluator, parametrised, written
+from .formula import FormulaError, Node, degree, evaluator, has_jumps, parametrised, written
 from .formula_functions import function_named
 from .formula_grammar import WORDS
 from .formula_parser import LONGEST_FORMULA, VOCABULARY, parse_formula
@@ -64,7 +65,8 @@ def forms_of(text: str, values: tuple[tuple[str, float], ...] = ()) -> Forms:
 
 def _form(tree: Node, numbers: dict[str, float]) -> Callable:
     evaluate = evaluator(tree)
-    return lambda x, y, z, **given: evaluate((x, y, z), numbers | given)
+    at = lambda x, y, z, **given: evaluate((x, y, z), numbers | given)
+    return at if not has_jumps(tree) else lambda x, y, z, **given: both_sides(lambda: at(x, y, z, **given))
 
 
 def _degree(tree: Node) -> int | None:

@@ -24,6 +24,9 @@ FUNCTIONS: dict[str, tuple[Callable, int]] = {
     "floor": (fn.floor, 1), "heaviside": (fn.heaviside, 1), "atan2": (fn.atan2, 2), **composed.FUNCTIONS}
 
 
+JUMPING = {"floor", "ceil", "heaviside", "sign", "fract", "mod"}
+
+
 class FormulaError(ValueError):
     """A formula that is not one; the text completes a sentence that begins with "the formula"."""
 
@@ -292,6 +295,10 @@ def written(tree: Node) -> str:
 
 def has_coordinates(tree: Node) -> bool:
     return isinstance(tree, Coordinate) or any(map(has_coordinates, children(tree)))
+
+
+def has_jumps(tree: Node) -> bool:
+    return (isinstance(tree, Call) and tree.name in JUMPING) or any(map(has_jumps, children(tree)))
 
 
 def sign_parts(tree: Node) -> tuple[Node, ...]:

@@ -44,9 +44,9 @@ argument: first (next)*
 NUMBER: /0[xX][0-9a-fA-F]+|([0-9][0-9_]*\.?[0-9_]*|\.[0-9][0-9_]*)([eE][+-]?[0-9]+)?/
 NAME.2: /(p|pos)\.[xyz](?![A-Za-z0-9_])|[A-Za-z_\u0370-\u03ff][A-Za-z0-9_\u0370-\u03ff]*/
 SUPERSCRIPT: /[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+/
-RAISED: "**" | "^"
-TIMES: /[*·×⋅∗]/
-OVER: /[\/÷]/
+RAISED: "**" | "^" | ".^"
+TIMES: /\.?\*|[·×⋅∗]/
+OVER: /\.?\/|÷/
 PLUS: "+"
 MINUS: /[-−–]/
 COMPARED: /<=|>=|==|!=|[<>=≤≥≠]/
@@ -148,7 +148,7 @@ def _lines(words: list[Token], values: dict[str, float]) -> Iterator[Token]:
         of_xyz = "".join(str(word).lower() for word in line[1:8]) == "(x,y,z)"
         head = 8 if of_xyz else 1
         defines = (name.type == "NAME" and len(line) > head and str(line[head]) == "=" and not known.is_coordinate(name))
-        if defines and last and (of_xyz or name not in known):  # f(x, y, z) = ..., d = ...
+        if defines and last and (of_xyz or not known.has_meaning(name)):  # f(x, y, z) = ..., d = ...
             line = line[head + 1:]
             if not line:
                 raise FormulaError(f"ends too early, {at(name)} after '=': a number or x, y, z is missing")
@@ -212,8 +212,8 @@ class _Names:
             return "VARIABLE"
         return "FUNCTION" if function_named(name) else None
 
-    def __contains__(self, name) -> bool:
-        return self.kind(str(name)) is not None
+    def has_meaning(self, name) -> bool:
+        return bool(self.kind(str(name)) or self._ways(str(name)))
 
     def is_coordinate(self, name) -> bool:
         return str(name).lower() in ("x", "y", "z")

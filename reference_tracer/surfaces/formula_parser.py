@@ -164,7 +164,7 @@ class _Translator:
         return self._made(whole, CHAINS["sum" if whole.data == "sum" else "product"], trees)
 
     def _require_one_meaning(self, tree: Tree) -> None:
-        """1/2 x is half of x and 9/4y^2 is 9/4 of y^2; x/2y and x^yz have two meanings, of which none is guessed."""
+        """1/2 x is half of x and 9/4y^2 is 9/4 of y^2; x/2y and x^yz (but not x^y z) have two meanings: none is guessed."""
         left, right = tree.children
         is_plain = lambda part: isinstance(part, Token) and part.type in ("NUMBER", "VALUE")
         if isinstance(right, Token) and right.type == "NUMBER":
@@ -174,7 +174,8 @@ class _Translator:
                 is_plain(left.children[0]) and is_plain(left.children[2])):
             raise FormulaError(f"has in {self._quote(tree)} a quotient and an implicit product, which may mean a/(b c) or "
                                "(a/b) c; write brackets")
-        if _is(left, "raised") and isinstance(left.children[2], Token) and left.children[2].type != "NUMBER":
+        if (_is(left, "raised") and isinstance(left.children[2], Token) and left.children[2].type != "NUMBER"
+                and left.children[2].end_pos == _start(right)):
             raise FormulaError(f"has in {self._quote(tree)} an exponent that may end in two places; write brackets")
 
     def _called(self, tree: Tree, depth: int) -> Node:
@@ -221,7 +222,7 @@ class _Translator:
             raise FormulaError(f"{error}, in {self._quote(tree)}") from None
 
     def _quote(self, tree) -> str:
-        start, stop = (tree.start_pos, tree.end_pos) if isinstance(tree, Token) else (tree.meta.start_pos, tree.meta.end_pos)
+        start, stop = _start(tree), tree.end_pos if isinstance(tree, Token) else tree.meta.end_pos
         line = tree.line if isinstance(tree, Token) else tree.meta.line
         column = tree.column if isinstance(tree, Token) else tree.meta.column
         quote = " ".join(self.text[start:stop].split())
@@ -243,6 +244,10 @@ class _Translator:
 
 def _is(tree, *kinds: str) -> bool:
     return isinstance(tree, Tree) and tree.data in kinds
+
+
+def _start(tree) -> int:
+    return tree.start_pos if isinstance(tree, Token) else tree.meta.start_pos
 
 
 def _size(node: Node) -> int:

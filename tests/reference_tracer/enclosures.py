@@ -89,8 +89,8 @@ def _far(function: Callable, sign: int) -> Callable:
     return lambda a: function(a) if abs(a) < FARTHEST else BEYOND if a > 0 else sign * BEYOND
 
 
-def _sech(a: arb) -> arb:
-    return 1 / a.cosh() if abs(a) < FARTHEST else NEXT_TO_ZERO
+def _tanh_slope(a: arb, times=1) -> arb:
+    return times / a.cosh()**2 if abs(a) < FARTHEST else NEXT_TO_ZERO
 
 
 def _stairs(function: Callable, jumps: Callable, slope: float = 0.0) -> dict:
@@ -194,7 +194,7 @@ CASES = [
          lambda v: 16.0),
     Case("sinh", composed.sinh, _far(arb.sinh, -1), _far(arb.cosh, 1), _far(arb.sinh, -1), lambda v: 10.0, 8.0),
     Case("cosh", composed.cosh, _far(arb.cosh, 1), _far(arb.sinh, -1), _far(arb.cosh, 1), lambda v: 16.0),
-    Case("tanh", composed.tanh, arb.tanh, lambda a: _sech(a)**2, lambda a: -2 * a.tanh() * _sech(a)**2, lambda v: 10.0, 10.0),
+    Case("tanh", composed.tanh, arb.tanh, _tanh_slope, lambda a: _tanh_slope(a, -2 * a.tanh()), lambda v: 10.0, 10.0),
     Case("smoothstep", lambda a: composed.smoothstep(-0.5, 1.25, a), *map(_smooth_step, range(3)), lambda v: 12.0),
     Case("mix", lambda a, b: composed.mix(a, b, 0.25), lambda a, b: a + (b - a) / 4, lambda a, b: arb(0.875),
          lambda a, b: arb(0), arity=2, ulps=lambda v: 0.0, absolute=math.inf),

@@ -1,6 +1,7 @@
 """The form of a formula that exact methods trace: its solid, whatever the multiplicity and the scale in which f is written."""
 
 import random
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -230,4 +231,4 @@ def test_a_factor_that_is_zero_in_a_volume_is_no_factor_of_even_multiplicity(for
 @pytest.mark.parametrize("formula", ["(abs(x) - 1)**2*(y - 1)", "(max(x, y) - 1)**2*(z - 1)", "(sqrt(x**2 + y**2) - 1)**2*(z - 1)",
                                      "(sin(x) - y)**2*(z - 1)", "abs(min(x, y + 1))*(z - 1)"])
 def test_a_factor_whose_zeros_are_thin_is_dropped(formula):
-    assert " traced as (z-" in forms_of(formula).structure
+    assert re.search(r" traced as \([yz]-", forms_of(formula).structure)
