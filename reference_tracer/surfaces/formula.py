@@ -109,6 +109,10 @@ def children(tree: Node) -> tuple[Node, ...]:
     return ()
 
 
+def children_with_signs(chain: Sum | Product) -> tuple[tuple[int, Node], ...]:
+    return chain.terms if isinstance(chain, Sum) else chain.factors
+
+
 # --- making trees ------------------------------------------------------------------------------------------------------
 def _folded(tree: Node) -> Node:
     """`tree`, or its value where all its children are numbers."""

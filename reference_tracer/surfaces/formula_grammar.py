@@ -33,7 +33,7 @@ definition: DEFINE condition END
 ?power: atom | atom RAISED factor -> raised | atom SUPERSCRIPT -> superscript | bare
 ?atom: NUMBER | VARIABLE | VALUE | FUNCTION exponent? OPEN (condition (COMMA condition)*)? CLOSE -> call
     | OPEN condition CLOSE -> group | BAR_OPEN condition BAR_CLOSE -> absolute
-exponent: RAISED NUMBER | SUPERSCRIPT
+exponent: RAISED MINUS? NUMBER | SUPERSCRIPT
 bare: FUNCTION exponent? argument
 argument: first (next)*
 ?first: MINUS first -> signed | plain | bare

@@ -23,6 +23,7 @@ from .formula import (
     Sum,
     call,
     children,
+    children_with_signs,
     has_coordinates,
     negation,
     product,
@@ -161,6 +162,8 @@ class _Translator:
                 node, sign, right = node.children
                 parts.append((1 if sign.type in ("PLUS", "TIMES") else -1, right))
         trees = [(sign, self.number(part, depth + 1)) for sign, part in [(1, node), *reversed(parts)]]
+        if isinstance(node, Token) and isinstance(first := trees[0][1], Sum if whole.data == "sum" else Product):
+            trees[:1] = children_with_signs(first)  # of a helper line, as if it were typed here
         return self._made(whole, CHAINS["sum" if whole.data == "sum" else "product"], trees)
 
     def _require_one_meaning(self, tree: Tree) -> None:
@@ -184,8 +187,9 @@ class _Translator:
         exponent = None
         if rest and _is(rest[0], "exponent"):
             exponent = self._exponent(rest[0].children[-1])
+            negative = exponent.value < 0 or len(rest[0].children) == 3
             rest = rest[1:]
-            if exponent.value < 0:
+            if negative:
                 raise FormulaError(f"has {at(name)} {name} with a negative exponent; write a{name} for the inverse function, "
                                    f"1/{name}(...) for the reciprocal")
         if tree.data == "bare":
