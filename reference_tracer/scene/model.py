@@ -20,15 +20,8 @@ MOST_PIXELS = 2**26
 MOST_STEPS = 1_000_000
 
 
-def _written(surface, handler):
-    document = handler(surface.written if isinstance(surface, Clipped) else surface)
-    if document.get("clip", ...) is None:
-        del document["clip"]  # a surface that is not clipped is written, and hashed, without the key
-    return document
-
-
 AnySurface = Annotated[Union[KINDS], Field(discriminator="type"), AfterValidator(Clipped.made),  # noqa: UP007
-                       WrapSerializer(_written)]
+                       WrapSerializer(Clipped.document)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Intensity = Annotated[float, Field(ge=0, le=1000)]
 Colour = tuple[Fraction, Fraction, Fraction]
