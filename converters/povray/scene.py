@@ -18,7 +18,7 @@ from . import materials, passes, shapes
 from .distance import END, far_shadows, origins, within_distance
 from .gradient import max_gradient
 from .media import refractive_indices
-from .text import DECLARED
+from .text import declared
 from .words import number, vector
 
 SHAPES = ("native", "isosurface")
@@ -55,7 +55,7 @@ class Conversion:
         if shown not in SHOWN:
             raise InputError(f"POV-Ray can be made to show one of {', '.join(SHOWN)}; found {shown!r}")
         through = shown in ("color", "share")
-        lines = [HEAD.format(level=self.scene.tracing.max_depth + 1 if through else 1), DECLARED, self._camera(),
+        lines = [HEAD.format(level=self.scene.tracing.max_depth + 1 if through else 1), declared(), self._camera(),
                  self._background(shown)]
         if shown == "distance":
             lines.append(passes.declare_distance(self.scale * np.array(self.scene.camera.position), END))

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from reference_tracer.numbers import composed
+
 from .words import number
 
 PRODUCT = 4  # up to this power a coordinate is multiplied out, several times as fast as pow
 
 # pow knows no negative base with a fractional exponent
-DECLARED = "#declare Cbrt = function(u) { select(u, -1, 0, 1) * pow(abs(u), 1/3) };"
+CBRT = "#declare Cbrt = function(u) { select(u, -1, 0, 1) * pow(abs(u), 1/3) };"
 
 
 @dataclass(frozen=True)
@@ -109,11 +111,37 @@ class Text:
     def absolute(self):
         return self._called("abs")
 
+    def floor(self):
+        return self._called("floor")
+
+    def heaviside(self):
+        return Text(f"select({self.code},0,1)")
+
+    def atan2(self, x):
+        return self._called("atan2", x)
+
+    def atan2_of(self, y):
+        return Text.of(y).atan2(self)
+
+    @staticmethod
+    def composed(name: str, arguments) -> Text:
+        return Text(f"{name.capitalize()}({','.join(Text.of(a).code for a in arguments)})")
+
     def minimum(self, other):
         return self._called("min", other)
 
     def maximum(self, other):
         return self._called("max", other)
+
+
+def declared() -> str:
+    """What functions have to be declared: those that SDL lacks, or means otherwise, as they are made of others here."""
+    arguments = [Text(name) for name in "abc"]  # t is the clock's, u and v are a parametric surface's
+    lines = [CBRT]
+    for name, (function, arity) in composed.FUNCTIONS.items():
+        body = function.__wrapped__(*arguments[:arity]).code
+        lines.append(f"#declare {name.capitalize()} = function({','.join('abc'[:arity])}) {{ {body} }};")
+    return "\n".join(lines)
 
 
 def function_text(surface) -> str:

@@ -75,6 +75,8 @@ class IntervalMethod(SegmentMethod):
             count += dr.select(hit & ~skips, UInt(1), 0)
             segments += 1
             stays = hit & ~skips & only_first & (simple | refine)
+            # a jump of g is a crossing (M1), but f has no gradient there, and the surface that ends so no normal
+            undecided |= stays & refine & ~(slope.low <= slope.high)
             regular &= simple | ~stays
             guess = dr.select(stays, t + w * (g_start / (g_start - g_end)), guess)
             moves = passed | (hit & ~stays)

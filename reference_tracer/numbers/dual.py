@@ -135,6 +135,24 @@ class Dual:
         return Dual(fn.absolute(self.value), tuple(None if d is None else fn.where_larger(self.value, 0.0, d, -d)
                                                    for d in self.derivatives))
 
+    def floor(self):
+        return self._chain(fn.floor(self.value), fn.flat_slope(fn.floor, self.value))
+
+    def heaviside(self):
+        return self._chain(fn.heaviside(self.value), fn.flat_slope(fn.heaviside, self.value))
+
+    def atan2(self, x):
+        """The angle of (x, self); over a box that meets the cut its slopes are NaN, as over any jump."""
+        x = x if isinstance(x, Dual) else Dual(x, (None,) * len(self.derivatives))
+        off_cut = getattr(self.value, "off_cut", lambda x: 0.0)(x.value)
+        square = fn.add(self.value**2, x.value**2)
+        to_y, to_x = (fn.add(fn.quotient(v, square), off_cut) for v in (x.value, -self.value))
+        return Dual(fn.atan2(self.value, x.value),
+                    tuple(_plus(_times(dy, to_y), _times(dx, to_x)) for dy, dx in zip(self.derivatives, x.derivatives)))
+
+    def atan2_of(self, y):
+        return Dual(y, (None,) * len(self.derivatives)).atan2(self)
+
     def minimum(self, other):
         return -((-self).maximum(-other))
 

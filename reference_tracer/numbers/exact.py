@@ -10,6 +10,7 @@ import math
 
 from flint import arb, arb_series, fmpq, fmpq_poly
 
+from .jumps import side
 from .polynomial import NotAlgebraic
 
 ORDER = 3  # coefficients of a Series: value, first derivative, half the second
@@ -84,6 +85,7 @@ class RationalPolynomial:
         raise NotAlgebraic("a function that is not a polynomial")
 
     sqrt = cbrt = sin = cos = tan = exp = log = absolute = power = power_of = minimum = maximum = _not_algebraic
+    floor = heaviside = atan2 = atan2_of = _not_algebraic
 
 
 class Series:
@@ -224,6 +226,39 @@ class Series:
 
     def absolute(self):
         return Series(self.maximum(-self).s, True)
+
+    def floor(self):
+        return self._stairs(arb.floor, self.nonnegative)
+
+    def heaviside(self):
+        return self._stairs(lambda v: arb(0) if v < 0 else arb(1), True)
+
+    def _stairs(self, function, nonnegative: bool) -> Series:
+        """Of a function that is constant between its jumps upwards."""
+        if not self.s[0].is_finite():
+            return self._undefined()
+        low, high = function(self.s[0].lower()), function(self.s[0].upper())
+        if low == high:
+            return Series(arb_series([low]), nonnegative)
+        return self._cusp(*side(low, high, lambda holds, a, b: a if holds else b), nonnegative)
+
+    def hull(self, other) -> Series:
+        """Of the values; nothing is known of derivatives."""
+        return self._cusp(self.s[0], other.s[0], self.nonnegative and other.nonnegative)
+
+    def atan2(self, x):
+        x = self._of(x)
+        if x.s[0] > 0:
+            return Series((self.s / x.s).atan(), self.nonnegative)
+        if self.s[0] > 0 or self.s[0] < 0:
+            quarter = arb.pi() / 2 if self.s[0] > 0 else -arb.pi() / 2
+            return Series(arb_series([quarter]) - (x.s / self.s).atan(), self.nonnegative)
+        if not (self.s[0].is_finite() and x.s[0].is_finite()):
+            return self._undefined()
+        return self._cusp(-arb.pi().upper(), arb.pi().upper(), self.nonnegative)  # the cut or the origin
+
+    def atan2_of(self, y):
+        return self._of(y).atan2(self)
 
     def minimum(self, other):
         other = self._of(other)

@@ -6,13 +6,14 @@ fall back to the library of the argument's array type.
 """
 
 import math
+import operator
 from fractions import Fraction
 
 import drjit as dr
 import numpy as np
 
-__all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "power", "minimum", "maximum", "select", "fma",
-           "where_larger", "quotient", "whole_power", "of_sign"]
+__all__ = ["sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "floor", "heaviside", "atan2", "power", "minimum",
+           "maximum", "select", "fma", "where_larger", "add", "sub", "mul", "quotient", "whole_power", "of_sign", "flat_slope"]
 
 # Dr.Jit's fp64 sine and cosine are good to an absolute 2**-52 below this angle, and from about 2**31.6 on they return
 # numbers of any size: `make enclosures`. Beyond it Dr.Jit's floats have none here, NaN, and
@@ -36,11 +37,12 @@ def _exp_of_array(x):
 
 # drjit.tan loses digits below |x| = 1e-4 (relative error 3e-9 in 1.5); the quotient is good to 3 ulp there
 _ON_DRJIT = {"sqrt": dr.sqrt, "cbrt": dr.cbrt, "sin": _wave_of_array(dr.sin), "cos": _wave_of_array(dr.cos),
-             "tan": _wave_of_array(lambda x: dr.sin(x) / dr.cos(x)), "exp": _exp_of_array, "log": dr.log, "absolute": dr.abs}
+             "tan": _wave_of_array(lambda x: dr.sin(x) / dr.cos(x)), "exp": _exp_of_array, "log": dr.log, "absolute": dr.abs,
+              "floor": dr.floor, "heaviside": lambda x: dr.select(x >= 0, 1.0, dr.select(x < 0, 0.0, math.nan))}
 
 
-def _elementary(name: str, on_scalar):
-    on_drjit, on_numpy = _ON_DRJIT[name], getattr(np, name)
+def _elementary(name: str, on_scalar, on_numpy=None):
+    on_drjit, on_numpy = _ON_DRJIT[name], on_numpy or getattr(np, name)
 
     def function(x):
         if dr.is_array_v(x):
@@ -70,6 +72,41 @@ tan = _elementary("tan", math.tan)
 exp = _elementary("exp", math.exp)
 log = _elementary("log", lambda x: math.log(x) if x else -math.inf)
 absolute = _elementary("absolute", abs)
+floor = _elementary("floor", lambda x: float(math.floor(x)))
+heaviside = _elementary("heaviside", lambda x: 0.0 if x < 0 else 1.0 if x >= 0 else x, lambda x: np.heaviside(x, 1.0))
+
+
+def flat_slope(function, x):
+    """The slope at x of a function that is constant between jumps: 0, and NaN, which bounds nothing, where x is an interval
+    with a jump in it."""
+    method = getattr(x, "flat_slope", None)
+    return 0.0 * function(x) if method is None else method(function)
+
+
+def atan2(y, x):
+    """The angle of (x, y) in (-pi, pi], 0 at the origin, for any number types; it jumps where y = 0 and x < 0."""
+    for number, name in ((y, "atan2"), (x, "atan2_of")):
+        method = getattr(number, name, None)
+        if method is not None:
+            return method(x if number is y else y)
+    if dr.is_array_v(y) or dr.is_array_v(x):
+        return dr.select((y == y) & (x == x), dr.atan2(y, x), math.nan)  # Dr.Jit has 0 there
+    value = np.arctan2(np.add(y, 0.0), np.add(x, 0.0))  # the sign of a zero says nothing
+    return float(value) if np.ndim(value) == 0 else value
+
+
+def _arithmetic(name: str, operation):
+    def function(a, b):
+        reflected = getattr(b, f"__r{name}__", None)
+        # an array of Dr.Jit cannot stand on the left of a number type of ours
+        swapped = reflected and dr.is_array_v(a) and not dr.is_array_v(b) and not isinstance(b, (int, float))
+        return reflected(a) if swapped else operation(a, b)
+
+    function.__name__ = name
+    return function
+
+
+add, sub, mul = (_arithmetic(name, getattr(operator, name)) for name in ("add", "sub", "mul"))
 
 
 def quotient(a, b):

@@ -24,6 +24,7 @@ import drjit as dr
 import numpy as np
 
 from . import functions as fn
+from .jumps import side
 
 _PI = math.pi
 _ULP = 2.0**-52  # one unit in the last place of 1.0, fp64
@@ -32,13 +33,14 @@ _TINY = 2 * _SMALLEST_NORMAL  # a result that underflows is wrong by less than h
 _LARGEST = np.finfo(np.float64).max.item()
 
 # Units in the last place by which a function of floats may be wrong; at least twice what the command above finds.
-ULPS = {"sqrt": 1, "cbrt": 4, "exp": 4, "log": 4}
+ULPS = {"sqrt": 1, "cbrt": 4, "exp": 4, "log": 4, "atan2": 12}
 # Of sine and cosine up to LARGEST_ANGLE, absolute, since near their zeros Dr.Jit's relative error is large; 2**-53 of it
 # covers the rounding of the bound that is moved by it.
 WAVE_ERROR = 4e-16
 # Which multiple of a period is next to x follows from (x - shift) / period: wrong by |x| 2**-53 times 4 (two differences,
 # the product, 1 / period as a float) and by the shift's own rounding, below 2**-53 times 2.
 ANGLE_ERROR = 6e-16
+_HALF_TURN = math.nextafter(_PI, 4)  # pi as a float is below pi
 STEEPEST = 2.0**20  # |tan| above which WAVE_ERROR (1 + |tan|) is no longer small
 
 
@@ -279,6 +281,37 @@ class Interval:
 
     def absolute(self):
         return type(self)(_high(self.low, -self.high, 0.0), _high(self.high, -self.low), True)
+
+    def floor(self):
+        return type(self)(*side(fn.floor(self.low), fn.floor(self.high)), self.nonnegative)
+
+    def heaviside(self):
+        return type(self)(*side(fn.heaviside(self.low), fn.heaviside(self.high)), True)
+
+    def flat_slope(self, function):
+        """See functions.flat_slope."""
+        slope = fn.select(function(self.low) == function(self.high), 0.0, math.nan)
+        return type(self)(slope, slope)
+
+    def atan2(self, x):
+        """Monotone along both axes, so that the corners of a box hold the extremes, unless it meets the cut or the origin."""
+        x = self.of(x)
+        corners = [fn.atan2(b, a) for b in (self.low, self.high) for a in (x.low, x.high)]
+        angle = self.rounded(_low(*corners), _high(*corners), ULPS["atan2"], self.nonnegative)
+        whole = fn.select((self.low <= self.high) & (x.low <= x.high), _HALF_TURN, math.nan)
+        return self._where(~self._meets_cut(x), angle, whole, self.nonnegative)
+
+    def atan2_of(self, y):
+        return self.of(y).atan2(self)
+
+    def _meets_cut(self, x):
+        # a bound that is NaN meets everything
+        return ~((self.low > 0) | (self.high < 0) | (x.low > 0))
+
+    def off_cut(self, x):
+        """0 where the box of ordinates `self` and abscissas `x` holds no point at which the angle jumps, else NaN."""
+        slope = fn.select(self._meets_cut(self.of(x)), math.nan, 0.0)
+        return type(self)(slope, slope)
 
     def minimum(self, other):
         other = self.of(other)

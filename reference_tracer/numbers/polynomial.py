@@ -91,4 +91,4 @@ class Polynomial:
         raise NotAlgebraic("a function that is not a polynomial")
 
     sqrt = cbrt = sin = cos = tan = exp = log = absolute = _not_algebraic
-    power = power_of = minimum = maximum = where_larger = _not_algebraic
+    power = power_of = minimum = maximum = where_larger = floor = heaviside = atan2 = atan2_of = _not_algebraic

@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..numbers.functions import cbrt, cos, exp, log, sin, sqrt, tan
+from ..numbers.functions import atan2, cbrt, cos, exp, floor, heaviside, log, sin, sqrt, tan
 from ..scene.model import Object, Rotation, Scene
 from ..tracer.camera import canvas_point, frame
 
@@ -231,6 +231,8 @@ class Tangent:
     exp = lambda self: self._chain(exp(self.value), exp(self.value))
     log = lambda self: self._chain(log(self.value), 1 / self.value)
     absolute = lambda self: self._chain(np.abs(self.value), np.where(self.value >= 0, 1.0, -1.0))
+    floor = lambda self: self._chain(floor(self.value), 0.0)
+    heaviside = lambda self: self._chain(heaviside(self.value), 0.0)
 
     def power(self, exponent) -> Tangent:
         """self ** exponent, a real number or a function: p a^(p - 1) a' + a^p log(a) p'."""
@@ -241,6 +243,14 @@ class Tangent:
         return Tangent(value, p.value * raised(p.value - 1) * self.slopes + by_exponent * p.slopes)
 
     power_of = lambda self, base: Tangent(np.full_like(self.value, base), 0.0).power(self)
+
+    def atan2(self, x) -> Tangent:
+        """The angle of (x, self): (x y' - y x') / (x^2 + y^2)."""
+        x = self.of(x)
+        return Tangent(atan2(self.value, x.value),
+                       (x.value * self.slopes - self.value * x.slopes) / (x.value**2 + self.value**2))
+
+    atan2_of = lambda self, y: self.of(y).atan2(self)
 
     def _extremum(self, other, of, first) -> Tangent:
         other = self.of(other)

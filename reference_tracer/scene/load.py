@@ -102,7 +102,7 @@ def _require_shallow(text: str, source: str):
 
 
 # --- one sentence for each fault -----------------------------------------------------------------------------------
-_KINDS = {"plane", "sphere", "ellipsoid", "torus", "paraboloid", "heart", "expression"}
+_KINDS = {"plane", "sphere", "ellipsoid", "torus", "paraboloid", "heart", "expression", "csg"}
 
 _REMEDY = {
     "missing": "is missing; add it",
@@ -190,7 +190,7 @@ def _place(location) -> str:
     for before, step in zip((None, *location), location):
         if isinstance(step, int):
             text += f"[{step}]"
-        elif step not in _KINDS or before != "surface":  # pydantic inserts the kind of a surface
+        elif step not in _KINDS or not (before == "surface" or isinstance(before, int)):  # pydantic inserts the kind
             text += f".{printable(str(step))}" if text else printable(str(step))
     return text or "the scene"
 

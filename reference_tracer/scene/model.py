@@ -20,15 +20,8 @@ MOST_PIXELS = 2**26
 MOST_STEPS = 1_000_000
 
 
-def _written(surface, handler):
-    document = handler(surface.written if isinstance(surface, Clipped) else surface)
-    if document.get("clip", ...) is None:
-        del document["clip"]  # a surface that is not clipped is written, and hashed, without the key
-    return document
-
-
 AnySurface = Annotated[Union[KINDS], Field(discriminator="type"), AfterValidator(Clipped.made),  # noqa: UP007
-                       WrapSerializer(_written)]
+                       WrapSerializer(Clipped.document)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Intensity = Annotated[float, Field(ge=0, le=1000)]
 Colour = tuple[Fraction, Fraction, Fraction]
@@ -224,7 +217,8 @@ class Scene(Part):
     @property
     def hash(self) -> str:
         """SHA-256 of everything that can change a pixel; names and descriptions do not count."""
-        content = self.model_dump(mode="json", exclude={"schema_", "name", "title", "figure", "description", "estimates"})
+        content = self.model_dump(mode="json", by_alias=True,
+                                  exclude={"schema_", "name", "title", "figure", "description", "estimates"})
         for object_ in content["objects"]:
             object_.pop("name")
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

@@ -5,6 +5,7 @@ then know it.
 """
 
 from .clipped import Clipped
+from .csg import Csg
 from .ellipsoid import Ellipsoid
 from .expression import Expression
 from .heart import Heart
@@ -14,7 +15,7 @@ from .sphere import Sphere
 from .surface import Bounds, Box, Surface
 from .torus import Torus
 
-KINDS: tuple[type[Surface], ...] = (Plane, Sphere, Ellipsoid, Torus, Paraboloid, Heart, Expression)
+KINDS: tuple[type[Surface], ...] = (Plane, Sphere, Ellipsoid, Torus, Paraboloid, Heart, Expression, Csg)
 
-__all__ = ["KINDS", "Bounds", "Box", "Clipped", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere",
+__all__ = ["KINDS", "Bounds", "Box", "Clipped", "Csg", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere",
            "Surface", "Torus"]

@@ -37,6 +37,14 @@ class Clipped(Surface):
         """The surface as a scene file has it."""
         return self.of.model_copy(update={"center": self.center, "clip": self.clip})
 
+    @staticmethod
+    def document(surface: Surface, handler) -> dict:
+        """`surface` as a scene file has it; one that is not clipped is written, and hashed, without the key."""
+        document = handler(surface.written if isinstance(surface, Clipped) else surface)
+        if document.get("clip", ...) is None:
+            del document["clip"]
+        return document
+
     @cached_property
     def function(self):
         return self._cut(self.of.function)

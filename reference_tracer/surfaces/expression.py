@@ -5,18 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, field_validator
+from pydantic import BeforeValidator, Field, PlainSerializer, StringConstraints, WithJsonSchema, field_validator
 
+from ..numbers.jumps import both_sides
 from ..numbers.polynomial import HIGHEST_DEGREE
 from .conditioning import drowns
 from .exact_polynomial import is_definite
-from .formula import FormulaError, Node, degree, evaluator, parametrised, written
+from .formula import FormulaError, Node, degree, evaluator, has_jumps, parametrised, written
+from .formula_functions import function_named
+from .formula_grammar import WORDS
 from .formula_parser import LONGEST_FORMULA, VOCABULARY, parse_formula
 from .odd_part import odd_part
 from .outside import outside
-from .surface import Bounds, Surface
+from .surface import Bounds, Finite, Surface
+
+MOST_VALUES = 64
+Name = Annotated[str, StringConstraints(pattern="^[A-Za-z_\u0370-\u03ff][A-Za-z0-9_\u0370-\u03ff]{0,31}$")]
+# pairs in Python, so that surfaces can be keys; an object in files
+Values = Annotated[
+    tuple[tuple[Name, Finite], ...], Field(max_length=MOST_VALUES),
+    BeforeValidator(lambda given: tuple(given.items()) if isinstance(given, dict) else given),
+    PlainSerializer(dict, return_type=dict[str, float]),
+    WithJsonSchema({"type": "object", "additionalProperties": {"type": "number"}, "maxProperties": MOST_VALUES})]
 
 
 @dataclass(frozen=True)
@@ -35,10 +47,10 @@ class Forms:
     definite: bool  # the regular form is a polynomial of degree two, with terms of that degree in every direction
 
 
-@lru_cache(maxsize=256)
-def forms_of(text: str) -> Forms:
+@lru_cache(maxsize=1024)
+def forms_of(text: str, values: tuple[tuple[str, float], ...] = ()) -> Forms:
     """Raises FormulaError."""
-    tree = parse_formula(text)
+    tree = parse_formula(text, values)
     regular = odd_part(tree)
     shared, numbers = parametrised(tree)
     function, structure = _form(shared, numbers), written(shared)
@@ -53,7 +65,8 @@ def forms_of(text: str) -> Forms:
 
 def _form(tree: Node, numbers: dict[str, float]) -> Callable:
     evaluate = evaluator(tree)
-    return lambda x, y, z, **given: evaluate((x, y, z), numbers | given)
+    at = lambda x, y, z, **given: evaluate((x, y, z), numbers | given)
+    return at if not has_jumps(tree) else lambda x, y, z, **given: both_sides(lambda: at(x, y, z, **given))
 
 
 def _degree(tree: Node) -> int | None:
@@ -62,10 +75,12 @@ def _degree(tree: Node) -> int | None:
 
 
 class Expression(Surface):
-    """Any f(x, y, z) the user types, e.g. "x**4 + y**4 + z**4 - 1", with a bounding box if the solid is bounded."""
+    """Any f(x, y, z) the user types, e.g. "x^4 + y^4 + z^4 = 1", with a bounding box if the solid is bounded."""
 
     type: Literal["expression"] = "expression"
-    formula: str = Field(max_length=LONGEST_FORMULA, description=f"f(x, y, z), written with {VOCABULARY}")
+    values: Values = Field((), alias="parameters", description='numbers for names in the formula: {"R": 2}')
+    formula: str = Field(max_length=LONGEST_FORMULA, description="f(x, y, z), whose solid is f < 0; f = g and f < g are f - g. "
+                                                            f"Written with {VOCABULARY}")
     bounds: Bounds | None = Field(None, description="a promise that this box holds the whole surface; it is checked. Without "
                                                     "it, the surface is unbounded")
 
@@ -73,18 +88,26 @@ class Expression(Surface):
     equation: ClassVar[str] = "f(x, y, z) = 0, as typed"
     literal_parameters: ClassVar[bool] = True
 
+    @field_validator("values")
+    @classmethod
+    def _are_free_names(cls, values):
+        for name, _ in values:
+            if name.lower() in ("x", "y", "z", *WORDS) or function_named(name):
+                raise ValueError(f"{name} has another meaning in formulas; give the parameter another name")
+        return values
+
     @field_validator("formula")
     @classmethod
-    def _can_be_compiled(cls, text):
+    def _can_be_read(cls, text, info):
         try:
-            parse_formula(text)
+            parse_formula(text, info.data.get("values", ()))
         except FormulaError as error:
             raise ValueError(f"the formula {error}") from None
         return text
 
     @cached_property
     def _forms(self) -> Forms:
-        return forms_of(self.formula)
+        return forms_of(self.formula, self.values)
 
     @property
     def function(self):

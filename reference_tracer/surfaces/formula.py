@@ -10,19 +10,21 @@ length is no depth.
 from __future__ import annotations
 
 import math
-import operator
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from types import MappingProxyType
 
-import drjit as dr
-
+from ..numbers import composed
 from ..numbers import functions as fn
 
 FUNCTIONS: dict[str, tuple[Callable, int]] = {
     "sqrt": (fn.sqrt, 1), "cbrt": (fn.cbrt, 1), "sin": (fn.sin, 1), "cos": (fn.cos, 1), "tan": (fn.tan, 1),
-    "exp": (fn.exp, 1), "log": (fn.log, 1), "abs": (fn.absolute, 1), "min": (fn.minimum, 2), "max": (fn.maximum, 2)}
+    "exp": (fn.exp, 1), "log": (fn.log, 1), "abs": (fn.absolute, 1), "min": (fn.minimum, 2), "max": (fn.maximum, 2),
+    "floor": (fn.floor, 1), "heaviside": (fn.heaviside, 1), "atan2": (fn.atan2, 2), **composed.FUNCTIONS}
+
+
+JUMPING = {"floor", "ceil", "heaviside", "sign", "fract", "mod"}
 
 
 class FormulaError(ValueError):
@@ -105,6 +107,10 @@ def children(tree: Node) -> tuple[Node, ...]:
         case Call(_, arguments):
             return arguments
     return ()
+
+
+def children_with_signs(chain: Sum | Product) -> tuple[tuple[int, Node], ...]:
+    return chain.terms if isinstance(chain, Sum) else chain.factors
 
 
 # --- making trees ------------------------------------------------------------------------------------------------------
@@ -204,10 +210,9 @@ def _operation(node: Node) -> Callable:
         case Negation():
             return lambda point, numbers, a: -a
         case Sum(terms):
-            return _from_left([("add", operator.add) if sign > 0 else ("sub", operator.sub) for sign, _ in terms[1:]])
+            return _from_left([fn.add if sign > 0 else fn.sub for sign, _ in terms[1:]])
         case Product(factors):
-            return _from_left([("mul", operator.mul) if sign > 0 else ("truediv", fn.quotient)
-                               for sign, _ in factors[1:]])
+            return _from_left([fn.mul if sign > 0 else fn.quotient for sign, _ in factors[1:]])
         case Power(_, n):
             return lambda point, numbers, a: fn.whole_power(a, n)
         case RealPower():
@@ -217,15 +222,10 @@ def _operation(node: Node) -> Callable:
             return lambda point, numbers, *arguments: function(*arguments)
 
 
-def _from_left(operations: list[tuple[str, Callable]]) -> Callable:
+def _from_left(operations: list[Callable]) -> Callable:
     def apply(point, numbers, value, *others):
-        for (name, operation), other in zip(operations, others):
-            reflected = getattr(other, f"__r{name}__", None)
-            # an array of Dr.Jit cannot stand on the left of a number type of ours
-            if dr.is_array_v(value) and reflected and not dr.is_array_v(other) and not isinstance(other, (int, float)):
-                value = reflected(value)
-            else:
-                value = operation(value, other)
+        for operation, other in zip(operations, others):
+            value = operation(value, other)
         return value
     return apply
 
@@ -299,6 +299,10 @@ def written(tree: Node) -> str:
 
 def has_coordinates(tree: Node) -> bool:
     return isinstance(tree, Coordinate) or any(map(has_coordinates, children(tree)))
+
+
+def has_jumps(tree: Node) -> bool:
+    return (isinstance(tree, Call) and tree.name in JUMPING) or any(map(has_jumps, children(tree)))
 
 
 def sign_parts(tree: Node) -> tuple[Node, ...]:

@@ -6,11 +6,13 @@ the second does not vanish where f is multiple. A positive factor of scale chang
 
 Factors that the formula writes are taken from it as they are, whatever is within them: that keeps the digits of the user's
 own form. Factors hidden in an expanded polynomial come from its square-free factorisation (python-flint). A factor is
-dropped only if it is defined everywhere, so that f and its form are undefined at the same points (decision M7).
+dropped only if it is defined everywhere, so that f and its form are undefined at the same points (decision M7), and if its
+zeros fill no volume: where max(x, 0)^2 is zero, outside it is (O1).
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
 
@@ -130,7 +132,7 @@ class _Factors:
     def form(self) -> Node:
         parts = [_of_sane_size(tree if m % 2 or is_nonnegative(tree) else Power(tree, 2))
                  for tree, m in self.multiplicity.items()
-                 if m % 2 or not is_defined(tree)]
+                 if m % 2 or not (is_defined(tree) and zeros_are_thin(tree))]
         if not parts:  # f has one sign: a solid without surface
             return total([(1, product([(1, Coordinate(0)), (1, Number(0.0))])), (1, Number(float(self.sign)))])
         form = product([(1, part) for part in parts])
@@ -162,8 +164,12 @@ def is_defined(tree: Node) -> bool:
             return is_nonnegative(operand)
         case Call("log", (operand,)):
             return is_positive(operand)
-        case Call("tan"):
+        case Call("tan" | "asin" | "acos"):
             return False
+        case Call("mod", (_, divisor)) | Call("smin" | "smax", (_, _, divisor)):
+            return isinstance(divisor, Number) and divisor.value != 0
+        case Call("smoothstep", (start, stop, _)):
+            return isinstance(start, Number) and isinstance(stop, Number) and start != stop
     return True
 
 
@@ -181,7 +187,7 @@ def is_positive(tree: Node) -> bool:
             return is_positive(base) or n == 0
         case RealPower(base):
             return is_positive(base)
-        case Call("exp"):
+        case Call("exp" | "cosh"):
             return True
         case Call("sqrt" | "cbrt" | "abs" | "min", arguments):
             return all(map(is_positive, arguments))
@@ -203,7 +209,7 @@ def is_nonnegative(tree: Node) -> bool:
             return n % 2 == 0 or is_nonnegative(base)
         case RealPower():
             return True
-        case Call("exp" | "abs" | "sqrt"):
+        case Call("exp" | "abs" | "sqrt" | "cosh" | "heaviside" | "fract" | "smoothstep" | "acos"):
             return True
         case Call("cbrt" | "min", arguments):
             return all(map(is_nonnegative, arguments))
@@ -214,6 +220,47 @@ def is_nonnegative(tree: Node) -> bool:
 
 def _adds(sign: int, term: Node, holds) -> bool:
     return holds(term) if sign > 0 else isinstance(term, Number) and holds(Number(-term.value))
+
+
+MOST_BRANCHES = 64
+ANALYTIC = {"sin", "cos", "tan", "exp", "log", "cbrt", "sinh", "cosh", "tanh", "atan", "asin", "acos"}
+
+
+def zeros_are_thin(tree: Node) -> bool:
+    """Whether `tree` is zero on no open set, by its structure; False where that is not seen.
+
+    An analytic function that is zero on an open set is zero. |a| is a or -a, the least and the largest is one of two: if
+    no choice of branches vanishes, none of their zeros has a volume. (A cube root is analytic in itself, a square root of
+    a square-free polynomial >= 0 but for a set that parts no space.)
+    """
+    match tree:
+        case Negation(operand) | Power(operand) | RealPower(operand) | Call("sqrt" | "cbrt" | "abs", (operand,)):
+            return zeros_are_thin(operand)
+        case Product(factors):
+            return all(zeros_are_thin(factor) for sign, factor in factors if sign > 0)
+    branches = _branches(tree)
+    return branches is not None and not any(map(vanishes, branches))
+
+
+def _branches(tree: Node) -> list[Node] | None:
+    """Analytic functions of which `tree` is one at every point; None where they are too many, or not seen to be analytic."""
+    match tree:
+        case Call("abs", (operand,)):
+            inner = _branches(operand)
+            return inner and [*inner, *map(negation, inner)]
+        case Call("min" | "max", (a, b)):
+            first, second = _branches(a), _branches(b)
+            return first and second and [*first, *second]
+        case Call("sqrt", (operand,)) | RealPower(operand, Number()) if not is_positive(operand):
+            p = polynomial(operand)
+            if p is None or not is_nonnegative(operand) or not _is_square_free(p):
+                return None
+        case Call(name) if name not in ANALYTIC and name != "sqrt":
+            return None
+    choices = [_branches(child) for child in children(tree)]
+    if None in choices or math.prod(map(len, choices)) > MOST_BRANCHES:
+        return None
+    return [rebuilt(tree, lambda _, rest=rest: next(rest)) for rest in map(iter, itertools.product(*choices))]
 
 
 # --- scale -------------------------------------------------------------------------------------------------------------

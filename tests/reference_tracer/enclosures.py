@@ -19,6 +19,7 @@ import numpy as np
 from flint import arb, arb_series, ctx
 
 from reference_tracer.backend import backend
+from reference_tracer.numbers import composed
 from reference_tracer.numbers import functions as fn
 from reference_tracer.numbers import interval as stated
 from reference_tracer.numbers.dual import Dual
@@ -45,6 +46,7 @@ class Case:
     slope: Callable | None = None
     curvature: Callable | None = None
     ulps: Callable = lambda value: 1.0  # what rounding to nearest may cost `Interval`
+    absolute: float = 0.0  # and that many units of 2**-52; inf where large terms cancel, and nothing is asked of it
     arity: int = 1
     reach: float = 308.3  # log10 of the largest second argument
 
@@ -82,6 +84,70 @@ def _reciprocal(a: arb) -> arb:
     return 1 / a if a != 0 else arb.nan()
 
 
+def _far(function: Callable, sign: int) -> Callable:
+    """`function`, which grows like exp |a|, of the sign of a where `sign` is -1."""
+    return lambda a: function(a) if abs(a) < FARTHEST else BEYOND if a > 0 else sign * BEYOND
+
+
+def _tanh_slope(a: arb, times=1) -> arb:
+    return times / a.cosh()**2 if abs(a) < FARTHEST else NEXT_TO_ZERO
+
+
+def _stairs(function: Callable, jumps: Callable, slope: float = 0.0) -> dict:
+    """A function that jumps where `jumps` holds and has one slope elsewhere: nothing is asked at a jump."""
+    return {"true": function, "slope": lambda *a: None if jumps(*a) else arb(slope),
+            "curvature": lambda *a: None if jumps(*a) else arb(0)}
+
+
+def _mod(a: arb, b: arb) -> arb:
+    if b == 0:
+        return arb.nan()
+    p, q = a.fmpq(), b.fmpq()
+    return arb(p - q * (p / q).floor())
+
+
+def _mod_slope(a: arb, b: arb):
+    if b == 0:
+        return None
+    whole = a.fmpq() / b.fmpq()
+    return None if whole.q == 1 else 1 - arb(whole.floor()) / 2
+
+
+def _within(function: Callable) -> Callable:
+    """`function` on [-1, 1]."""
+    return lambda a: function(a) if abs(a) <= 1 else arb.nan()
+
+
+def _smooth_step(order: int) -> Callable:
+    """The derivative of that order of t^2 (3 - 2 t) with t = (a + 0.5) / 1.75, held within [0, 1]."""
+    def value(a: arb):
+        t = (a + arb(0.5)) / arb(1.75)
+        if t == 0 or t == 1:
+            return arb(t) if order == 0 else arb(0) if order == 1 else None
+        if t < 0 or t > 1:
+            return arb(1 if t > 1 and order == 0 else 0)
+        return (t * t * (3 - 2 * t), 6 * t * (1 - t) / arb(1.75), (6 - 12 * t) / arb(1.75)**2)[order]
+    return value
+
+
+FILLET = 0.75
+
+
+def _smooth_minimum(a: arb, b: arb) -> arb:
+    return a.min(b) - (FILLET - abs(a - b)).max(arb(0))**2 / (4 * FILLET)
+
+
+def _smooth_minimum_slope(a: arb, b: arb):
+    if a == b:
+        return None
+    near = (FILLET - abs(a - b)).max(arb(0)) / (2 * FILLET)
+    return (arb(1) if a < b else arb(0.5)) + near * (a - b).sgn() * arb(0.5)
+
+
+def _angle_slope(y: arb, x: arb):
+    return None if y == 0 and x <= 0 else (x - y / 2) / (x * x + y * y)
+
+
 def _log(a: arb) -> arb:
     return a.log() if a > 0 else -BEYOND if a == 0 else arb.nan()
 
@@ -113,7 +179,30 @@ CASES = [
     Case("min", fn.minimum, arb.min, lambda a, b: None if a == b else arb(1) if a < b else arb(0.5),
          lambda a, b: arb(0) if a != b else None, arity=2),
     Case("max", fn.maximum, arb.max, lambda a, b: None if a == b else arb(1) if a > b else arb(0.5),
-         lambda a, b: arb(0) if a != b else None, arity=2)]
+         lambda a, b: arb(0) if a != b else None, arity=2),
+    Case("floor", fn.floor, **_stairs(arb.floor, lambda a: a == a.floor())),
+    Case("ceil", composed.ceil, **_stairs(arb.ceil, lambda a: a == a.floor())),
+    Case("heaviside", fn.heaviside, **_stairs(lambda a: arb(1 if a >= 0 else 0), lambda a: a == 0)),
+    Case("sign", composed.sign, **_stairs(arb.sgn, lambda a: a == 0)),
+    Case("fract", composed.fract, **_stairs(lambda a: a - a.floor(), lambda a: a == a.floor(), 1.0)),
+    Case("mod", composed.mod, _mod, _mod_slope, arity=2, reach=4, ulps=lambda v: 0.0, absolute=math.inf),
+    Case("atan2", fn.atan2, arb.atan2, _angle_slope, arity=2, ulps=lambda v: 6.0),
+    Case("atan", composed.atan, arb.atan, lambda a: 1 / (1 + a * a), lambda a: -2 * a / (1 + a * a)**2, lambda v: 6.0),
+    Case("asin", composed.asin, _within(arb.asin), lambda a: 1 / (1 - a * a).sqrt(), lambda a: a / (1 - a * a)**1.5,
+         lambda v: 16.0),
+    Case("acos", composed.acos, _within(arb.acos), lambda a: -1 / (1 - a * a).sqrt(), lambda a: -a / (1 - a * a)**1.5,
+         lambda v: 16.0),
+    Case("sinh", composed.sinh, _far(arb.sinh, -1), _far(arb.cosh, 1), _far(arb.sinh, -1), lambda v: 10.0, 8.0),
+    Case("cosh", composed.cosh, _far(arb.cosh, 1), _far(arb.sinh, -1), _far(arb.cosh, 1), lambda v: 16.0),
+    Case("tanh", composed.tanh, arb.tanh, _tanh_slope, lambda a: _tanh_slope(a, -2 * a.tanh()), lambda v: 10.0, 10.0),
+    Case("smoothstep", lambda a: composed.smoothstep(-0.5, 1.25, a), *map(_smooth_step, range(3)), lambda v: 12.0),
+    Case("mix", lambda a, b: composed.mix(a, b, 0.25), lambda a, b: a + (b - a) / 4, lambda a, b: arb(0.875),
+         lambda a, b: arb(0), arity=2, ulps=lambda v: 0.0, absolute=math.inf),
+    Case("smin", lambda a, b: composed.smin(a, b, FILLET), _smooth_minimum, _smooth_minimum_slope, arity=2, reach=2,
+         ulps=lambda v: 8.0, absolute=8.0),
+    Case("smax", lambda a, b: composed.smax(a, b, FILLET), lambda a, b: -_smooth_minimum(-a, -b),
+         lambda a, b: None if a == b else arb(1.5) - _smooth_minimum_slope(a, b), arity=2, reach=2,
+         ulps=lambda v: 8.0, absolute=8.0)]
 
 
 # --- arguments -----------------------------------------------------------------------------------------------------
@@ -296,7 +385,7 @@ def _width(low, high, truth: Truth, thin):
 def _granted(case: Case, bound, direction: int):
     """A bound of an `Interval` moved by the rounding it may hold; inf on the wrong side bounds nothing."""
     ulps = case.ulps(bound)
-    error = np.abs(bound) * np.where(np.isfinite(ulps), ulps, 0) * 2.0**-52 + 2 * SMALLEST_NORMAL
+    error = (np.abs(bound) * np.where(np.isfinite(ulps), ulps, 0) + case.absolute) * 2.0**-52 + 2 * SMALLEST_NORMAL
     return np.where(bound == -direction * math.inf, math.nan, bound + direction * error)
 
 
@@ -326,7 +415,7 @@ def _check_series(case: Case, bounds, balls, points, value: Truth, slope: Truth)
 
 # --- functions of floats -------------------------------------------------------------------------------------------
 FLOATS = {"sqrt": (fn.sqrt, arb.sqrt), "cbrt": (fn.cbrt, _cbrt), "exp": (fn.exp, _exp), "log": (fn.log, _log),
-          "sin": (fn.sin, arb.sin), "cos": (fn.cos, arb.cos)}
+          "sin": (fn.sin, arb.sin), "cos": (fn.cos, arb.cos), "atan2": (fn.atan2, arb.atan2)}
 
 
 @np.errstate(all="ignore")
@@ -339,11 +428,12 @@ def float_errors(name: str, count: int, on_drjit: bool, seed: int = 2) -> tuple[
     wave = name in ("sin", "cos")
     if wave:
         x = x[np.abs(x) <= fn.LARGEST_ANGLE]
-    elif name != "cbrt":
+    elif name not in ("cbrt", "atan2"):
         x = x[x > 0] if name != "exp" else np.clip(x, -745, 709.7)
     x = x[(np.abs(x) >= SMALLEST_NORMAL)]
-    truth = Truth.of(true, ([arb(v) for v in x.tolist()],))
-    y = function(backend().Float(x)).numpy() if on_drjit else function(x)
+    arguments = (x, np.roll(x, 1)) if name == "atan2" else (x,)
+    truth = Truth.of(true, tuple([arb(v) for v in a.tolist()] for a in arguments))
+    y = function(*map(backend().Float, arguments)).numpy() if on_drjit else function(*arguments)
     normal = (np.abs(truth.nearest) >= SMALLEST_NORMAL) & np.isfinite(truth.nearest) & np.isfinite(y)
     error = np.abs((y - truth.nearest) - truth.rest)
     if wave:

@@ -6,11 +6,15 @@ import enclosures
 import numpy as np
 import pytest
 from enclosures import CASES, FLOATS, KINDS, Kind, check, float_errors
+from flint import arb
 
 from reference_tracer.backend import backend
-from reference_tracer.numbers import Dual, OutwardInterval, interval
+from reference_tracer.certify.search import precision
+from reference_tracer.numbers import Dual, Interval, NotAlgebraic, OutwardInterval, Polynomial, interval
 from reference_tracer.numbers import functions as fn
-from reference_tracer.numbers.exact import Series
+from reference_tracer.numbers.exact import RationalPolynomial, Series
+from reference_tracer.oracle.literal import Tangent
+from reference_tracer.surfaces.expression import forms_of
 
 NAMED = {case.name: case for case in CASES}
 PROOFS = [kind for kind in KINDS if kind.number is OutwardInterval]
@@ -182,3 +186,76 @@ def test_a_subnormal_factor_is_not_read_as_zero():
     Float = backend().Float
     product = OutwardInterval(Float(np.full(100_000, 1e300))) * 1e-310
     assert np.all(product.low.numpy() <= 1e-10) and np.all(product.high.numpy() >= 1e-10)
+
+
+def _ordinary(case, count=300):
+    """Arguments of size one, and the true values and slopes there (None where one is not asked for)."""
+    points = np.random.default_rng(7).uniform(-2.5, 2.5, (case.arity, count))
+    balls = [[arb(v) for v in p.tolist()] for p in points]
+    enclosures.ctx.prec = enclosures.BITS
+    value = [case.true(*p) for p in zip(*balls)]
+    slope = [case.slope(*p) if v.is_finite() else None for v, *p in zip(value, *balls)]
+    number = lambda v: float(v) if v is not None and v.is_finite() else math.nan
+    return points, np.array(list(map(number, value))), np.array(list(map(number, slope)))
+
+
+def _holds(found, true):
+    """Found is what is true, to the digits that cancellation leaves; where there is no true value nothing is asked."""
+    known = np.isfinite(true)
+    np.testing.assert_allclose(np.broadcast_to(found, true.shape)[known], true[known], rtol=2e-12, atol=2e-13)
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_every_function_and_its_slope_on_every_number_type(name):
+    """Floats, NumPy, Dr.Jit, duals on all three, and the derivatives of the recursive oracle, against flint's balls."""
+    case, Float = NAMED[name], backend().Float
+    points, value, slope = _ordinary(case)
+    with np.errstate(all="ignore"):
+        _holds([case.phi(*p) for p in points.T.tolist()], value)
+        _holds(case.phi(*points), value)
+        _holds(np.array(Float(case.phi(*map(Float, points)))), value)
+        undefined = ~np.isfinite(value)
+        assert not np.isfinite(np.broadcast_to(case.phi(*points), value.shape)[undefined]).any()
+        dual = case.phi(*(Dual(p, (np.full(len(value), s),)) for p, s in zip(points, enclosures.SLOPES)))
+        _holds(dual.value, value)
+        _holds(dual.derivative(), slope)
+        recorded = case.phi(*(Dual(Float(p), (Float(s),)) for p, s in zip(points, enclosures.SLOPES)))
+        _holds(np.array(Float(recorded.derivative())), slope)
+        tangent = Tangent.of(case.phi(*(Tangent(p, np.full((1, len(value)), s)) for p, s in zip(points, enclosures.SLOPES))))
+        _holds(tangent.value, value)
+        _holds(np.broadcast_to(tangent.slopes, (1, len(value)))[0], slope)
+
+
+@pytest.mark.parametrize("name", [c.name for c in CASES[[c.name for c in CASES].index("floor"):] if c.name != "mix"])
+def test_what_is_no_polynomial_is_none(name):
+    """A function that jumps or is transcendental must not pass for a ray's polynomial."""
+    case = NAMED[name]
+    for x in (Polynomial((0.3, 1.0)), RationalPolynomial.along((0.3,), (1.0,))[0]):
+        with pytest.raises(NotAlgebraic):
+            case.phi(*[x] * case.arity)
+
+
+@pytest.mark.parametrize("name", ["floor", "ceil", "fract", "heaviside", "sign", "mod"])
+def test_a_slope_across_a_jump_is_found(name, monkeypatch):
+    """Were the slope across a jump 0, a monotone function could pass for one that it is not."""
+    monkeypatch.setattr(OutwardInterval, "flat_slope", lambda self, function: OutwardInterval(0.0))
+    f = lambda x: NAMED[name].phi(*[x, 1.0][:NAMED[name].arity])
+    assert np.isfinite(f(Dual(OutwardInterval(-0.5, 0.5), (1.0,))).derivative().low)
+    monkeypatch.undo()
+    slope = f(Dual(OutwardInterval(-0.5, 0.5), (1.0,))).derivative()
+    assert math.isnan(slope.low) and math.isnan(slope.high)
+
+
+def test_both_sides_of_a_jump_are_enclosed_and_no_more():
+    """(mod(x, 1) - 1/2)^2 is 1/4 on both sides of 1 and 0 nowhere near it; three whole numbers are more than two sides."""
+    f = forms_of("(mod(x, 1) - 0.5)^2 + 0*y").function
+    for number in (Interval, OutwardInterval):
+        one, many = number(0.9, 1.1), number(0.2, 2.3)
+        assert 0.15 < f(one, 0.0, 0.0).low and f(one, 0.0, 0.0).high < 0.37 and f(many, 0.0, 0.0).low <= 0
+        for x in (one, many):
+            value = f(x, 0.0, 0.0)
+            assert all(value.low <= (t % 1 - 0.5)**2 <= value.high for t in np.linspace(x.low, x.high, 100).tolist())
+    with precision(96):
+        ball = f(*Series.along((0.9, 0, 0), (1, 0, 0), arb(0.1, 0.1))).s
+        assert ball[0] > 0.1 and not ball[1].is_finite()
+        assert f(*Series.along((0.2, 0, 0), (1, 0, 0), arb(0.1, 0.05))).s[1].is_finite()

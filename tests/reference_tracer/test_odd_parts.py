@@ -1,6 +1,7 @@
 """The form of a formula that exact methods trace: its solid, whatever the multiplicity and the scale in which f is written."""
 
 import random
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -210,3 +211,24 @@ def test_the_scenes_of_formulas_that_are_one_solid():
         np.testing.assert_array_equal(a.index, b.index)
         np.testing.assert_allclose(a.t[a.index >= 0], b.t[a.index >= 0], rtol=1e-13)
         assert (b.status != UNDECIDED).all() and (a.status != UNDECIDED).all()
+
+
+@pytest.mark.parametrize("formula", [
+    "max(x, 0)**2*(x**2 + y**2 + z**2 - 4)", "abs(max(x, 0))*(x**2 + y**2 + z**2 - 4)", "(abs(x) - x)**2*(y - 1)",
+    "floor(x)**2*(x**2 + y**2 + z**2 - 4)", "(sqrt(x**2) + x)**2*(z - 1)", "smoothstep(0, 1, x)**2*(z - 1)",
+    "(min(x, 0, y) + 0*z)**4*(z - 1)"])
+def test_a_factor_that_is_zero_in_a_volume_is_no_factor_of_even_multiplicity(formula):
+    """There f is zero: outside (O1). Where f is not zero its form has its sign, as always."""
+    forms = forms_of(formula)
+    zero = 0
+    for point in np.random.default_rng(3).uniform(-1.5, 1.5, (200, 3)).tolist():
+        f, form = forms.function(*point), forms.regular(*point, **forms.parameters)
+        assert (f < 0) == (form < 0)
+        zero += f == 0
+    assert zero > 20
+
+
+@pytest.mark.parametrize("formula", ["(abs(x) - 1)**2*(y - 1)", "(max(x, y) - 1)**2*(z - 1)", "(sqrt(x**2 + y**2) - 1)**2*(z - 1)",
+                                     "(sin(x) - y)**2*(z - 1)", "abs(min(x, y + 1))*(z - 1)"])
+def test_a_factor_whose_zeros_are_thin_is_dropped(formula):
+    assert re.search(r" traced as \([yz]-", forms_of(formula).structure)
