@@ -12,7 +12,7 @@ import re
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from reference_tracer.errors import InputError
 from reference_tracer.scene.load import printable
@@ -26,6 +26,8 @@ from .mesh.marching import MOST_TRIANGLES
 if TYPE_CHECKING:
     import trimesh
 
+Key = TypeVar("Key")
+T = TypeVar("T")
 ENDINGS = (*SUFFIXES, ".xml", ".pov", ".txt")
 CELLS = 256  # along the longest side of a mesh
 
@@ -111,7 +113,7 @@ def _meshed(scene: Scene, objects: list[int], cells: int) -> dict[int, Mesh]:
     return made
 
 
-def _required(scene: Scene, made: dict) -> dict:
+def _required(scene: Scene, made: dict[Key, T]) -> dict[Key, T]:
     if not made:
         raise InputError(f"{scene.name}: no ray can reach what is to be written, so that there is no mesh of it")
     return made
@@ -128,12 +130,12 @@ def _mitsuba(scene: Scene, path: Path, cells: int) -> tuple[dict[Path, bytes], l
     from .mitsuba import files
     from .mitsuba.shapes import native_parts
 
-    meshed = [k for k, obj in enumerate(scene.objects) if native_parts(obj, scene) is None]
+    native = {k: found for k, obj in enumerate(scene.objects) if (found := native_parts(obj, scene))}
+    meshed = [k for k in range(len(scene.objects)) if k not in native]
     made = _meshed(scene, meshed, cells)
     objects = _required(scene, files.shapes(scene, path.stem, made))
     told = [_sentence(scene, k, made.get(k), ".ply") for k in meshed]
-    told += [f"object {k} ({_label(scene, k)}): exact; {clipped}" for k, obj in enumerate(scene.objects)
-             if k not in meshed and (clipped := native_parts(obj, scene)[1])]
+    told += [f"object {k} ({_label(scene, k)}): exact; {clipped}" for k, (_, clipped) in native.items() if clipped]
     told.append(files.DIFFERENT)
     about = [*_about(scene), *told, "more samples a pixel: mitsuba -D spp=64 FILE"]
     plys = {path.with_name(files.mesh_file(path.stem, k)):

@@ -60,14 +60,14 @@ def encoded(suffix: str, meshes: Sequence[tuple[str, Mesh]], about: Sequence[str
         case ".glb":
             scene = _scene(meshes)
             scene.metadata["about"] = list(about)
-            return gltf.export_glb(scene, include_normals=True)
+            return bytes(gltf.export_glb(scene, include_normals=True))
         case ".ply":
             head, body = ply.export_ply(_joined(meshes), vertex_normal=True).split(b"end_header\n", 1)
             lines = [line for line in head.decode("ascii").splitlines() if not line.startswith("comment")]
             return "\n".join([*lines[:2], *(f"comment {line}" for line in about), *lines[2:], "end_header\n"]).encode() + body
         case ".stl":
-            header = "; ".join(about[:1] + _largest(meshes, suffix)).encode("ascii")[:STL_HEADER].ljust(STL_HEADER)
-            return header + stl.export_stl(_joined(meshes))[STL_HEADER:]
+            header = "; ".join([*about[:1], *_largest(meshes, suffix)]).encode("ascii")[:STL_HEADER].ljust(STL_HEADER)
+            return bytes(header + stl.export_stl(_joined(meshes))[STL_HEADER:])
     raise ValueError(f"{suffix} is none of {', '.join(SUFFIXES)}")
 
 
@@ -85,7 +85,7 @@ def _obj(meshes: Sequence[tuple[str, Mesh]], about: Sequence[str]) -> bytes:
     return text.getvalue()
 
 
-def _scene(meshes: Sequence[tuple[str, Mesh]]):
+def _scene(meshes: Sequence[tuple[str, Mesh]]) -> trimesh.Scene:
     import trimesh
 
     scene = trimesh.Scene()
@@ -96,7 +96,7 @@ def _scene(meshes: Sequence[tuple[str, Mesh]]):
     return scene
 
 
-def _joined(meshes: Sequence[tuple[str, Mesh]]):
+def _joined(meshes: Sequence[tuple[str, Mesh]]) -> trimesh.Trimesh:
     import trimesh
 
     parts = [mesh for _, mesh in meshes]

@@ -66,8 +66,8 @@ class Expression(Surface):
 
     type: Literal["expression"] = "expression"
     formula: str = Field(max_length=LONGEST_FORMULA, description=f"f(x, y, z), written with {VOCABULARY}")
-    bounds: Bounds | None = Field(None, description="a promise that this box holds the whole surface; it is checked. Without "
-                                                    "it, the surface is unbounded")
+    bounds: Bounds | None = Field(default=None, description="a promise that this box holds the whole surface; it is checked. "
+                                                    "Without it, the surface is unbounded")
 
     title: ClassVar[str] = "Expression"
     equation: ClassVar[str] = "f(x, y, z) = 0, as typed"

@@ -7,6 +7,7 @@ import tempfile
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ EXR_CHANNELS = {"color": ("R", "G", "B"), "t": ("Z",), "position": ("P.X", "P.Y"
                 "index": ("id.Y",), "depth": ("generation.Y",), "status": ("status.Y",)}
 
 
-def metadata(picture: Picture) -> dict:
+def metadata(picture: Picture) -> dict[str, Any]:
     """Where a picture comes from: scene hash, versions, parameters. Every file format carries it."""
     return {**picture.metadata, "raytruth": version("raytruth"),
             "tracing": picture.scene.tracing.model_dump(mode="json")}
@@ -66,7 +67,7 @@ def save_png(picture: Picture, path: Path) -> None:
     write_8_bit(to_8_bit(picture.color), path, metadata(picture))
 
 
-def write_8_bit(pixels: np.ndarray, path: str | Path, about: dict | None = None) -> None:
+def write_8_bit(pixels: np.ndarray, path: str | Path, about: dict[str, Any] | None = None) -> None:
     """Writes (h, w, 1 or 3) uint8 as PNG."""
     _write(np.ascontiguousarray(pixels), path, "uint8", [], about or {})
 
@@ -88,7 +89,7 @@ def save_npz(picture: Picture, path: Path) -> None:
                 np.lib.format.write_array(file, array, allow_pickle=False)
 
 
-def load_npz(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
+def load_npz(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The planes and the metadata of a file written by `save_npz`."""
     with np.load(path, allow_pickle=False) as file:
         return {name: file[name] for name in PLANES}, json.loads(str(file["metadata"]))
@@ -102,7 +103,7 @@ def png(color: np.ndarray) -> bytes:
         return file.read_bytes()
 
 
-def _write(pixels: np.ndarray, path, kind: str, names: list[str], about: dict) -> None:
+def _write(pixels: np.ndarray, path: str | Path, kind: str, names: list[str], about: dict[str, Any]) -> None:
     import OpenImageIO as oiio  # 0.1 s; only when a picture is written
 
     height, width, channels = pixels.shape
