@@ -53,6 +53,7 @@ RENDERERS = {r.name: r for r in (
              {"shapes": "native", "resolution": 256, "refined": True}),
     Renderer("mitsuba-sdfgrid", "Mitsuba 3, grids", "mitsuba", {"shapes": "sdfgrid", "resolution": 128}),
     Renderer("embree", "Embree, meshes", "embree", {"resolution": 256}, package="embreex"),
+    Renderer("raysect", "raysect, its own primitives", "raysect", package="raysect"),
     Renderer("povray", "POV-Ray 3.7, its own primitives", "povray", {"shapes": "native", "accuracy": 1e-8}, "povray"),
     Renderer("povray-isosurface", "POV-Ray 3.7, isosurfaces", "povray", {"shapes": "isosurface", "accuracy": 1e-8}, "povray"),
 )}
