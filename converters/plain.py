@@ -12,16 +12,12 @@
 `sign` is -1 where f > 0 is inside; `degrees` 0 means no rotation. Most scenes lack the lines `axes`, of a camera whose
 axes do not follow from `up` (decision F5), `figures`, the words of decisions F1 to F4 as in a scene file where one is not
 "sum", 0, "attenuate" or "ray", and `shadowless`, an object (counted from 0) that dims no light. Numbers have as many digits
-as it takes to read them back exactly. python -m converters.plain SCENE FILE writes one.
+as it takes to read them back exactly. `raytruth export SCENE -o FILE.txt` writes one.
 """
 
 from __future__ import annotations
 
-import sys
-from pathlib import Path
-
-from reference_tracer.errors import InputError, UnsupportedError
-from reference_tracer.scene import library
+from reference_tracer.errors import UnsupportedError
 from reference_tracer.scene.model import EFFECTS, Object, Scene, Tracing
 
 FIGURES = ("lights", "ambient", "shadows", "range")
@@ -73,21 +69,3 @@ def _require_the_documents_own(scene: Scene) -> None:
             raise UnsupportedError(f"{scene.name}: a plain scene has no surface of type {obj.surface.type}")
         if obj.first_hit:
             raise UnsupportedError(f"{scene.name}: a plain scene has one first-hit method for all objects")
-
-
-def main(arguments: list[str]) -> None:
-    if len(arguments) != 2:
-        raise InputError("give a scene and the file to write")
-    text = plain(library.find(arguments[0]))
-    try:
-        Path(arguments[1]).write_text(text, encoding="ascii")
-    except OSError as error:
-        raise InputError(f"{arguments[1]}: cannot be written ({error.strerror})") from None
-
-
-if __name__ == "__main__":
-    try:
-        main(sys.argv[1:])
-    except InputError as error:
-        print(f"python -m converters.plain: {error}", file=sys.stderr)
-        sys.exit(2)

@@ -85,7 +85,7 @@ def resized(scene, size: tuple[int, int] | None):
 def require_file(path: Path | None, suffix: str) -> None:
     """Raises InputError unless a file of that suffix can be written to `path`: before the work, not after it."""
     from reference_tracer.errors import InputError
-    from reference_tracer.tracer.image_files import writable
+    from reference_tracer.writing import writable
 
     if path is None:
         return
@@ -98,7 +98,7 @@ def require_file(path: Path | None, suffix: str) -> None:
 def require_folder(path: Path | None) -> None:
     """Raises InputError unless files can be written into the folder `path`, which may have to be made."""
     from reference_tracer.errors import InputError
-    from reference_tracer.tracer.image_files import writable
+    from reference_tracer.writing import writable
 
     if path is None:
         return

@@ -21,7 +21,7 @@ from ..execution.pool import Pool, Progress
 from ..renderers import RENDERERS
 from ..suites import reader
 from ..verdicts import conditioning
-from ..verdicts.measure import verdict_on
+from ..verdicts.pictures import verdict_on
 from . import cases, rays
 from .cases import FAULTS, Fault
 from .document import (

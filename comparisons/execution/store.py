@@ -7,58 +7,28 @@ made again; a failure is not kept, so that it is tried again.
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import json
 import os
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 from pydantic import BaseModel
 
-from reference_tracer.errors import InputError
+from reference_tracer.writing import UnwritableError, atomically
 
 from .code import code
 
 Found = TypeVar("Found")
-# the place is at fault and nothing that is written there: no room, no right, no folder
-UNWRITABLE = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR,
-              errno.EEXIST, errno.ENAMETOOLONG}
-
-
-class UnwritableError(InputError):
-    """A folder or a file that cannot be written; the text says which and why."""
 
 
 def key(*content, made_by: tuple[str, ...]) -> str:
     """A hash of all that can change a result: `content`, as JSON, and the code behind the modules `made_by`."""
     text = json.dumps([*content, code(*made_by)], sort_keys=True, allow_nan=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
-
-
-@contextmanager
-def atomically(path: Path) -> Iterator[Path]:
-    """A file to write to, which takes the place of `path` in one step if all goes well, and is gone if not.
-
-    Raises UnwritableError where the place is at fault.
-    """
-    part = path.with_name(f".{path.name}.{os.getpid()}-{threading.get_ident()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        yield part
-        os.replace(part, path)
-    except OSError as error:
-        if error.errno not in UNWRITABLE:
-            raise
-        raise UnwritableError(f"{path}: cannot be written ({error.strerror}); make room there, or choose another folder"
-                              ) from None
-    finally:
-        with suppress(OSError):
-            part.unlink()
 
 
 def require_folder(folder: Path) -> Path:
@@ -113,7 +83,7 @@ class Store:
 
     def forget(self, key: str) -> None:
         """Removes whatever is left of `key`, parts of files included, so that it cannot pass for what is made now."""
-        for leftover in (self.folder / f"{key}.json", self.file(key), *self.folder.glob(f".{key}.*.part")):
+        for leftover in (self.folder / f"{key}.json", self.file(key), *self.folder.glob(f".{key}.*.part*")):
             with suppress(OSError):
                 leftover.unlink()
 

@@ -57,6 +57,7 @@ RENDERERS = {r.name: r for r in (
              {"shapes": "native", "resolution": 256, "refined": True}, lacks=MITSUBA),
     Renderer("mitsuba-sdfgrid", "Mitsuba 3, grids", "mitsuba", {"shapes": "sdfgrid", "resolution": 128}, lacks=MITSUBA),
     Renderer("embree", "Embree, meshes", "embree", {"resolution": 256}, package="embreex", lacks=EMBREE),
+    Renderer("raysect", "raysect, its own primitives", "raysect", package="raysect", lacks=EMBREE),
     Renderer("povray", "POV-Ray 3.7, its own primitives", "povray", {"shapes": "native", "accuracy": 1e-8}, "povray",
              lacks=POVRAY),
     Renderer("povray-isosurface", "POV-Ray 3.7, isosurfaces", "povray", {"shapes": "isosurface", "accuracy": 1e-8}, "povray",

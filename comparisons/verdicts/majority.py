@@ -15,7 +15,7 @@ from itertools import combinations
 from ..results import Run
 
 SHADING = {"reference": "the reference's shading", "povray": "POV-Ray's shading"}
-FOREIGN = "the document's shading on other tracers' hits"  # Mitsuba's and Embree's hits are shaded by one reading of it
+FOREIGN = "the document's shading on other tracers' hits"  # Mitsuba's, Embree's and raysect's hits: one reading of it
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import Picture
 
 from ..execution.store import Store
 from ..planes import read_planes
-from ..results import Gate, Run, Verdict
 from . import conditioning, metrics, oracle
-from .judge import judge
-from .tolerances import accuracy_of, tolerance_of
 
 
 def answer(arguments: dict) -> dict:
@@ -45,16 +40,3 @@ def answer(arguments: dict) -> dict:
 def _picture(path: str, _: int, camera: tuple[float, float, float]):
     planes = read_planes(Path(path), camera)
     return planes, metrics.interior(planes)
-
-
-def verdict_on(scene: Scene, name: str, picture: Picture, test: Picture, kept: Store) -> tuple[Verdict, str, list[Gate]]:
-    """The verdict on the reference's picture `test`, held against the one of the renderer called `name`: neither is a
-    truth, and what they may be apart is what that renderer may be from the reference."""
-    facts = picture.metadata
-    run = Run(key="", scene=scene.name, renderer=name, title=name, state="ok", command="", errors=facts.get("errors", []),
-              tilts=facts.get("tilts", []), facts={k: v for k, v in facts.items() if isinstance(v, (bool, int, float, str))})
-    a, b = ({**vars(p), "camera": np.array(scene.camera.position)} for p in (test, picture))
-    measured = {**metrics.geometry(a, b), **metrics.picture(a, b)}
-    if accuracy := accuracy_of(run):
-        measured |= conditioning.apart(a, b, conditioning.limits(scene, accuracy, kept), run.facts.get("tells_depth", True))
-    return judge(measured, tolerance_of(run), tolerance_of(run, exact=True))

@@ -69,6 +69,8 @@ def tolerance_of(run: Run, exact: bool = False) -> Tolerance:
         return ORACLE
     if run.facts.get("grids") and not exact:
         return GRID
+    if not run.facts.get("triangles") and run.facts.get("precision") == 64:
+        return DOUBLE
     # hits on triangles may have been moved onto the surface they stand for
     return MESH if run.facts.get("triangles") and not run.facts.get("refined") and not exact else NATIVE
 

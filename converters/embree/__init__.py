@@ -1,6 +1,6 @@
 """Any scene as triangle meshes in Embree, one acceleration structure an object, reached through trimesh and embreex."""
 
-from .crossings import EmbreeHit, EmbreeIntersector
+from .crossings import EmbreeIntersector
 from .scene import EmbreeScene, Solid, convert
 
-__all__ = ["EmbreeHit", "EmbreeIntersector", "EmbreeScene", "Solid", "convert"]
+__all__ = ["EmbreeIntersector", "EmbreeScene", "Solid", "convert"]

@@ -8,39 +8,15 @@ distances are always those of the undisplaced ray.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from converters.crossings import Hit, Start
 from reference_tracer.scene.model import Scene
 
 from .scene import EmbreeScene, Solid
 
 MOST_REFUSED = 64  # hits on the wrong side in a row; beyond, the ray is undecided
 MOST_CROSSINGS = 4096  # of one shadow ray with one object
-
-
-@dataclass
-class EmbreeHit:
-    """The first crossing of each of n rays."""
-
-    t: np.ndarray  # (n,), infinity where nothing was hit
-    index: np.ndarray  # (n,) object in scene order, -1 where nothing was hit
-    facet: np.ndarray  # (n, 3) unit normal of the triangle, out of the solid
-    normal: np.ndarray  # (n, 3) unit, interpolated, turned against the ray (decision N1)
-    lost: np.ndarray  # (n,) undecided
-
-
-@dataclass
-class Start:
-    """Where rays start: o (n, 3), the object each leaves (-1: none) and the facet (n, 3) it leaves it by."""
-
-    o: np.ndarray
-    left: np.ndarray
-    facet: np.ndarray
-
-    def of(self, which) -> Start:
-        return Start(self.o[which], self.left[which], self.facet[which])
 
 
 class EmbreeIntersector:
@@ -51,7 +27,7 @@ class EmbreeIntersector:
         self.dimming = [(k, solid) for k, solid in self.solids if scene.casts_shadow(scene.objects[k])]
         self.transparency = np.array([obj.material.transparency for obj in scene.objects])
 
-    def first_hit(self, start: Start, d, inside, reach) -> EmbreeHit:
+    def first_hit(self, start: Start, d, inside, reach) -> Hit:
         """The first crossing of each ray with any object within `reach` (decisions M5, F4); `inside` is (n, objects)."""
         count = len(d)
         t, index, triangle = np.full(count, np.inf), np.full(count, -1), np.zeros(count, int)
@@ -70,7 +46,7 @@ class EmbreeIntersector:
         # by the facet: at a rim the interpolated normal may point either way
         against = np.einsum("ij,ij->i", d, facet) > 0
         normal[against] *= -1
-        return EmbreeHit(t, index, facet, normal, lost)
+        return Hit(t, index, facet, normal, lost)
 
     def _hits(self, k: int, solid: Solid, start: Start, d, limit, inside, lost):
         """Rounds of (ray, t, triangle, whether it is a crossing), until each ray has crossed object k or met no more."""

@@ -16,19 +16,24 @@ def sensor(camera: Camera, samples: int = 1) -> mi.Sensor:
 
     `samples` = n^2 a pixel lie in the centres of n x n cells (section 5). Raises UnsupportedError for axes of decision F5.
     """
+    return mi.load_dict(sensor_parts(camera, samples))
+
+
+def sensor_parts(camera: Camera, samples: int = 1) -> dict:
+    """The same as the dictionary that Mitsuba makes a sensor of."""
     if camera.is_oblique:
         raise UnsupportedError("Mitsuba's cameras have axes at right angles, v_x to the right and v_y up; these (decision F5) "
                                "have not")
     f = frame(camera)
     to_world = mi.ScalarTransform4f().look_at(
         origin=f.v_pos.tolist(), target=(f.v_pos + f.v_dir).tolist(), up=f.v_y.tolist())
-    return mi.load_dict({
+    return {
         "type": "perspective",
         "fov": camera.fov, "fov_axis": "larger",  # decision C1
         "to_world": to_world @ mi.ScalarTransform4f().scale([-1, 1, 1]),  # Mitsuba's x runs left
         "film": {"type": "hdrfilm", "width": camera.width, "height": camera.height, "rfilter": {"type": "box"},
                  "pixel_format": "rgb", "component_format": "float32"},
-        "sampler": {"type": "stratified", "sample_count": samples, "jitter": False}})
+        "sampler": {"type": "stratified", "sample_count": samples, "jitter": False}}
 
 
 def document_directions(camera: Camera, samples: int = 1, first: int = 0, count: int | None = None) -> np.ndarray:

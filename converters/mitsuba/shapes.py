@@ -18,18 +18,24 @@ def native(obj: Object, scene: Scene, dress: dict | None = None) -> tuple[mi.Sha
     """The exact Mitsuba shape of `obj`, normals out of the solid, and what was clipped; None where Mitsuba has none.
 
     `dress` holds the plugins it wears: "bsdf", "emitter".
+    """
+    found = native_parts(obj, scene)
+    return (mi.load_dict({**found[0], **(dress or {})}), found[1]) if found else None
+
+
+def native_parts(obj: Object, scene: Scene) -> tuple[dict, str] | None:
+    """The same as the dictionary that Mitsuba makes a shape of.
+
     An instance of a sphere can be stretched to an ellipsoid, but is intersected in fp32: its error of 3e-8 times
     (distance / semi-axis)^2, 6e-3 for a semi-axis of 0.1 at distance 3, is that of no exact shape.
     """
-    dress = dress or {}
     match obj.surface:
         case Sphere() as s:
-            return mi.load_dict({"type": "sphere", "center": list(s.center), "radius": s.r,
-                                 "flip_normals": s.inside == "positive", **dress}), ""
+            return {"type": "sphere", "center": list(s.center), "radius": s.r, "flip_normals": s.inside == "positive"}, ""
         case Plane() as s:
             placed = Placed(obj)
             patch = plane_patch(s, reach_in_frame(scene, obj))
-            return (_rectangle(placed, patch, dress), patch.clipped) if patch else None
+            return (_rectangle(placed, patch), patch.clipped) if patch else None
     return None
 
 
@@ -44,10 +50,10 @@ def meshed(mesh: Mesh, name: str) -> mi.Shape:
     return shape
 
 
-def _rectangle(placed: Placed, patch: Patch, dress: dict) -> mi.Shape:
+def _rectangle(placed: Placed, patch: Patch) -> dict:
     """Mitsuba's rectangle [-1, 1]^2 with normal z, laid onto `patch`."""
     axes = np.stack([patch.half * patch.u, patch.half * patch.v, np.cross(patch.u, patch.v)])
     to_world = np.eye(4)
     to_world[:3, :3] = placed.turned(axes).T
     to_world[:3, 3] = placed.to_world(patch.middle[None])[0]
-    return mi.load_dict({"type": "rectangle", "to_world": mi.ScalarTransform4f(to_world), **dress})
+    return {"type": "rectangle", "to_world": mi.ScalarTransform4f(to_world)}

@@ -123,9 +123,11 @@ def _run_random(arguments) -> int:
 
 def _tell_failure(answer, scene: dict, arguments) -> None:
     """One line for a scene that fails alone, with the command that repeats it; the scene goes to a file."""
-    arguments.results.mkdir(parents=True, exist_ok=True)
+    from reference_tracer.writing import atomically
+
     path = arguments.results / f"random-{answer.seed}.json"
-    path.write_text(json.dumps(scene, indent=1))
+    with atomically(path) as part:
+        part.write_text(json.dumps(scene, indent=1))
     undecided = f"{answer.counts.get('avoidable_hits')} of {answer.counts.get('hits')} hits undecided"
     what = answer.fault or (f"{len(answer.wrong)} wrong, e.g. {answer.wrong[0]}" if answer.wrong else undecided)
     method = "" if arguments.method == "exact" else f" --method {arguments.method}"

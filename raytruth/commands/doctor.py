@@ -55,6 +55,7 @@ print(mitsuba.__version__)
 def run(arguments) -> int:
     findings = [_python(), _drjit(), _llvm(), _threads(), _cuda(), _mitsuba(),
                 _program("POV-Ray", ("povray",), "apt-get install povray", "an independent oracle of the whole model"),
+                _raysect(),
                 _program("Chromium", ("chromium", "chromium-browser", "google-chrome"), "apt-get install chromium",
                          "tests of the report in a real browser")]
     if arguments.json:
@@ -109,6 +110,14 @@ def _mitsuba() -> Finding:
     answer, problem = _probe(_PROBE_MITSUBA)
     return Finding("Mitsuba", not problem, problem or f"{answer}, variant llvm_ad_rgb works",
                    "pip install mitsuba; without it comparisons with Mitsuba are skipped")
+
+
+def _raysect() -> Finding:
+    from comparisons.execution.code import installed
+
+    version = installed("raysect")
+    return Finding("raysect", version[0].isdigit(), version,
+                   "optional, a third witness of geometry and shadows: pip install raysect", required=False)
 
 
 def _program(name: str, names: tuple[str, ...], install: str, use: str) -> Finding:

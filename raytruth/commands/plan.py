@@ -80,12 +80,10 @@ def _scenes(arguments):
 
 
 def _write(planned: dict, path: Path) -> None:
-    from reference_tracer.errors import InputError
+    from reference_tracer.writing import atomically
 
-    try:
-        path.write_text(json.dumps(planned, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror}); choose another file") from None
+    with atomically(path) as part:
+        part.write_text(json.dumps(planned, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     print(f"written to {path}", file=sys.stderr)
 
 

@@ -40,6 +40,7 @@ def run(arguments) -> int:
     from reference_tracer.tracer import sensitivity as model
     from reference_tracer.tracer.film import PLANES
     from reference_tracer.tracer.render import render
+    from reference_tracer.writing import atomically
 
     require_file(arguments.output, ".npz")
     scene = resized(find(arguments.scene), arguments.size)
@@ -61,7 +62,8 @@ def run(arguments) -> int:
             single = render(scene, arguments.method, precision=32)
             found["single precision inside"] = share(sensitivity.excuses(single.color))
     if arguments.output:
-        np.savez_compressed(arguments.output, bound=sensitivity.bound, risk=sensitivity.risk)
+        with atomically(arguments.output) as part:
+            np.savez_compressed(part, bound=sensitivity.bound, risk=sensitivity.risk)
     if arguments.json:
         print(json.dumps(found))
     else:

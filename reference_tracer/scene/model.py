@@ -64,13 +64,13 @@ class Camera(Part):
     """Section 2: a canvas at distance 1 in front of `position`; decisions C1 and F5 fix the axes."""
 
     position: Vector = (0.0, 0.0, 0.0)
-    direction: Vector = Field((0.0, 0.0, 1.0), description="where the camera looks; any length but zero")
-    up: Vector = Field((0.0, 1.0, 0.0), description="the side of the picture's top; not parallel to direction")
-    v_x: Vector | None = Field(None, description="decision F5: the canvas's axis to the right, any length but zero; made from "
-                                                 "up, at right angles to direction, if not given")
-    v_y: Vector | None = Field(None, description="decision F5: the canvas's axis to the top; at right angles to direction and "
-                                                 "v_x if not given")
-    fov: Annotated[float, Field(gt=0, lt=180)] = Field(60.0, description="field of view over the longer side, degrees")
+    direction: Vector = Field(default=(0.0, 0.0, 1.0), description="where the camera looks; any length but zero")
+    up: Vector = Field(default=(0.0, 1.0, 0.0), description="the side of the picture's top; not parallel to direction")
+    v_x: Vector | None = Field(default=None, description="decision F5: the canvas's axis to the right, any length but "
+                                                         "zero; made from up, at right angles to direction, if not given")
+    v_y: Vector | None = Field(default=None, description="decision F5: the canvas's axis to the top; at right angles to "
+                                                         "direction and v_x if not given")
+    fov: Annotated[float, Field(gt=0, lt=180)] = Field(default=60.0, description="field of view over the longer side, degrees")
     width: Annotated[int, Field(ge=1, le=LONGEST_SIDE)] = 640
     height: Annotated[int, Field(ge=1, le=LONGEST_SIDE)] = 480
 
@@ -128,7 +128,7 @@ class FirstHitChoice(Part):
     """How the first hits of one object are found, whatever method the picture is rendered with."""
 
     method: Literal["paper", "exact", "descartes", "interval"]
-    step_size: StepSize | None = Field(None, description="of the method paper; the scene's if not given")
+    step_size: StepSize | None = Field(default=None, description="of the method paper; the scene's if not given")
 
 
 class Object(Part):
@@ -138,8 +138,8 @@ class Object(Part):
     surface: AnySurface
     rotation: Rotation | None = None
     material: Material = Material()
-    first_hit: FirstHitChoice | None = Field(None, description="a method for this object alone")
-    shadow: bool = Field(True, description="whether it dims the light that crosses it")
+    first_hit: FirstHitChoice | None = Field(default=None, description="a method for this object alone")
+    shadow: bool = Field(default=True, description="whether it dims the light that crosses it")
 
 
 class Light(Part):
@@ -152,32 +152,34 @@ class Light(Part):
 class Tracing(Part):
     """The parameters of sections 4 and 5."""
 
-    step_size: StepSize = Field(0.1, description="stepSize of section 4.1")
+    step_size: StepSize = Field(default=0.1, description="stepSize of section 4.1")
     tolerance: Annotated[float, Field(ge=1e-15, le=1)] = Field(
-        1e-12, description="Newton stops at |dt| <= tolerance max(1, |t|)")
+        default=1e-12, description="Newton stops at |dt| <= tolerance max(1, |t|)")
     max_iterations: Annotated[int, Field(ge=1, le=1000)] = 20
-    max_distance: Length = Field(30.0, description="where a ray ends")
-    max_depth: Annotated[int, Field(ge=0, le=64)] = Field(8, description="generations of secondary rays")
-    samples: Annotated[int, Field(ge=1, le=32)] = Field(1, description="n of n x n samples per pixel (section 5)")
+    max_distance: Length = Field(default=30.0, description="where a ray ends")
+    max_depth: Annotated[int, Field(ge=0, le=64)] = Field(default=8, description="generations of secondary rays")
+    samples: Annotated[int, Field(ge=1, le=32)] = Field(default=1, description="n of n x n samples per pixel (section 5)")
     refraction: Literal["snell", "as_printed"] = Field(
-        "snell", description="decision E1: the law of refraction, or the misprinted formula of section 4.3.3.2")
+        default="snell", description="decision E1: the law of refraction, or the misprinted formula of section 4.3.3.2")
     # where the document's figures do otherwise than its text
     lights: Literal["sum", "balanced"] = Field(
-        "sum", description="decision F1: how several lights add up; balanced: 1 - product of (1 - light), per channel")
-    ambient: Intensity = Field(0.0, description="decision F2: a light that is never shadowed, the first of the combination")
+        default="sum", description="decision F1: how several lights add up; balanced: 1 - product of (1 - light), per channel")
+    ambient: Intensity = Field(
+        default=0.0, description="decision F2: a light that is never shadowed, the first of the combination")
     shadows: Literal["attenuate", "opaque_only"] = Field(
-        "attenuate", description="decision F3: what objects with transparency > 0 do to light; opaque_only: nothing")
+        default="attenuate", description="decision F3: what objects with transparency > 0 do to light; opaque_only: nothing")
     range: Literal["ray", "path"] = Field(
-        "ray", description="decision F4: whether each ray has max_distance of its own, or what its parent left of it")
+        default="ray", description="decision F4: whether each ray has max_distance of its own, or what its parent left of it")
     # what a scene needs no more of: see `raytruth plan`
     effects: Annotated[tuple[Effect, ...], Field(max_length=len(EFFECTS))] = Field(
-        EFFECTS, description="the secondary rays that are traced; one left out sees the background, a shadow ray its light")
+        default=EFFECTS, description="the secondary rays that are traced; one left out sees the background, a shadow ray its "
+                                     "light")
     cutoff: Annotated[float, Field(ge=0, le=1)] = Field(
-        0.0, description="the most that all secondary rays left out for their small weight may change of a colour")
+        default=0.0, description="the most that all secondary rays left out for their small weight may change of a colour")
     adaptive: Annotated[float, Field(ge=0, le=1)] = Field(
-        0.0, description="more than one sample only where the colour differs from a neighbour's by more than this, or "
+        default=0.0, description="more than one sample only where the colour differs from a neighbour's by more than this, or "
                          "the object does; 0: everywhere")
-    precision: Literal[64, 32] = Field(64, description="bits of the numbers a picture is computed in")
+    precision: Literal[64, 32] = Field(default=64, description="bits of the numbers a picture is computed in")
 
     @model_validator(mode="after")
     def _is_bounded(self):
@@ -189,15 +191,15 @@ class Tracing(Part):
 class Scene(Part):
     """A whole scene: what is seen, from where, in what light, and how it is traced."""
 
-    schema_: str | None = Field(None, alias="$schema", max_length=500)
-    format: Literal[1] = Field(1, description="version of this format")
+    schema_: str | None = Field(default=None, alias="$schema", max_length=500)
+    format: Literal[1] = Field(default=1, description="version of this format")
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9.-]{0,79}$")] = Field(
-        "untitled", description="lower-case letters, digits, dots and hyphens; names output files")
+        default="untitled", description="lower-case letters, digits, dots and hyphens; names output files")
     title: ShortText = ""
-    figure: ShortText = Field("", description="the figure of the document this scene reproduces")
-    description: Annotated[str, Field(max_length=2000)] = Field("", description="what the picture shows, in words")
+    figure: ShortText = Field(default="", description="the figure of the document this scene reproduces")
+    description: Annotated[str, Field(max_length=2000)] = Field(default="", description="what the picture shows, in words")
     estimates: Annotated[str, Field(max_length=2000)] = Field(
-        "", description="which values were not given and were chosen by eye (decision S1)")
+        default="", description="which values were not given and were chosen by eye (decision S1)")
     camera: Camera = Camera()
     objects: Annotated[tuple[Object, ...], Field(min_length=1, max_length=MOST_OBJECTS)]
     lights: Annotated[tuple[Light, ...], Field(max_length=MOST_LIGHTS)] = ()

@@ -78,11 +78,11 @@ class Expression(Surface):
     """Any f(x, y, z) the user types, e.g. "x^4 + y^4 + z^4 = 1", with a bounding box if the solid is bounded."""
 
     type: Literal["expression"] = "expression"
-    values: Values = Field((), alias="parameters", description='numbers for names in the formula: {"R": 2}')
+    values: Values = Field(default=(), alias="parameters", description='numbers for names in the formula: {"R": 2}')
     formula: str = Field(max_length=LONGEST_FORMULA, description="f(x, y, z), whose solid is f < 0; f = g and f < g are f - g. "
                                                             f"Written with {VOCABULARY}")
-    bounds: Bounds | None = Field(None, description="a promise that this box holds the whole surface; it is checked. Without "
-                                                    "it, the surface is unbounded")
+    bounds: Bounds | None = Field(default=None, description="a promise that this box holds the whole surface; it is checked. "
+                                                                  "Without it, the surface is unbounded")
 
     title: ClassVar[str] = "Expression"
     equation: ClassVar[str] = "f(x, y, z) = 0, as typed"

@@ -44,11 +44,11 @@ class Surface(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
     type: str
-    center: Vector = Field((0.0, 0.0, 0.0), description="(x0, y0, z0), the origin of the surface's own frame")
+    center: Vector = Field(default=(0.0, 0.0, 0.0), description="(x0, y0, z0), the origin of the surface's own frame")
     inside: Literal["negative", "positive"] = Field(
-        "negative", description="the sign of f inside the solid; zero is always outside")
-    clip: Bounds | None = Field(None, description="only what lies within this box, in the surface's own frame, belongs to "
-                                                  "the solid; its faces close it")
+        default="negative", description="the sign of f inside the solid; zero is always outside")
+    clip: Bounds | None = Field(default=None, description="only what lies within this box, in the surface's own frame, belongs "
+                                        "to the solid; its faces close it")
 
     title: ClassVar[str]
     equation: ClassVar[str]

@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import json
-import os
 import tempfile
 import zipfile
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..errors import InputError
+from ..writing import atomically, require_file
 from .film import PLANES
 from .render import Picture
 
 SUFFIXES = (".png", ".exr", ".npz")
 ROWS = 256  # converted at a time
+# LAYER.CHANNEL, and R G B Z by themselves, as OpenEXR's own list of names has it: compositors and viewers show layers of
+# X Y Z as vectors and of Y as numbers. "depth" is a distance to all of them, ours the generation of a ray
+EXR_CHANNELS = {"color": ("R", "G", "B"), "t": ("Z",), "position": ("P.X", "P.Y", "P.Z"), "normal": ("N.X", "N.Y", "N.Z"),
+                "index": ("id.Y",), "depth": ("generation.Y",), "status": ("status.Y",)}
 
 
-def metadata(picture: Picture) -> dict:
+def metadata(picture: Picture) -> dict[str, Any]:
     """Where a picture comes from: scene hash, versions, parameters. Every file format carries it."""
     return {**picture.metadata, "raytruth": version("raytruth"),
             "tracing": picture.scene.tracing.model_dump(mode="json")}
@@ -29,22 +34,7 @@ def require_writable(path: Path) -> None:
     """Raises InputError unless a picture can be written to `path`: a known suffix, an existing folder, no folder itself."""
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"{path}: the output must end in one of {', '.join(SUFFIXES)}")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist; make it first")
-    if path.is_dir() or not writable(path):
-        raise InputError(f"{path}: cannot be written; choose another file")
-
-
-def writable(path: Path) -> bool:
-    """Whether a file can be written to `path`, or into it where it is a folder: tried, since permissions do not tell of
-    every file system."""
-    try:
-        if path.exists() and not path.is_dir():
-            return os.access(path, os.W_OK)
-        with tempfile.TemporaryFile(dir=path if path.is_dir() else path.parent):
-            return True
-    except (OSError, ValueError):
-        return False
+    require_file(path)
 
 
 def planes_of(path: Path) -> tuple[str, ...]:
@@ -57,14 +47,11 @@ def save(picture: Picture, path: str | Path) -> None:
     path = Path(path)
     require_writable(path)
     writer = {".png": save_png, ".exr": save_exr, ".npz": save_npz}[path.suffix.lower()]
-    part = path.with_name(f".{path.stem}.part{path.suffix}")
     try:
-        writer(picture, part)
-        os.replace(part, path)
+        with atomically(path) as part:
+            writer(picture, part)
     except OSError as error:
         raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def to_8_bit(color: np.ndarray) -> np.ndarray:
@@ -80,17 +67,16 @@ def save_png(picture: Picture, path: Path) -> None:
     write_8_bit(to_8_bit(picture.color), path, metadata(picture))
 
 
-def write_8_bit(pixels: np.ndarray, path: str | Path, about: dict | None = None) -> None:
+def write_8_bit(pixels: np.ndarray, path: str | Path, about: dict[str, Any] | None = None) -> None:
     """Writes (h, w, 1 or 3) uint8 as PNG."""
     _write(np.ascontiguousarray(pixels), path, "uint8", [], about or {})
 
 
 def save_exr(picture: Picture, path: Path) -> None:
-    """All planes as float channels: R G B, Z (t), P.xyz, N.xyz, id, depth, status."""
-    planes = [picture.color, picture.t, picture.position, picture.normal, picture.index, picture.depth, picture.status]
+    """All planes as float channels, by the names of EXR_CHANNELS."""
+    planes = [getattr(picture, name) for name in EXR_CHANNELS]
     channels = np.concatenate([p.reshape(*picture.t.shape, -1).astype(np.float32) for p in planes], axis=-1)
-    names = ["R", "G", "B", "Z", "P.x", "P.y", "P.z", "N.x", "N.y", "N.z", "id", "depth", "status"]
-    _write(channels, path, "float", names, metadata(picture))
+    _write(channels, path, "float", [channel for names in EXR_CHANNELS.values() for channel in names], metadata(picture))
 
 
 def save_npz(picture: Picture, path: Path) -> None:
@@ -103,13 +89,21 @@ def save_npz(picture: Picture, path: Path) -> None:
                 np.lib.format.write_array(file, array, allow_pickle=False)
 
 
-def load_npz(path: str | Path) -> tuple[dict[str, np.ndarray], dict]:
+def load_npz(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """The planes and the metadata of a file written by `save_npz`."""
     with np.load(path, allow_pickle=False) as file:
         return {name: file[name] for name in PLANES}, json.loads(str(file["metadata"]))
 
 
-def _write(pixels: np.ndarray, path, kind: str, names: list[str], about: dict) -> None:
+def png(color: np.ndarray) -> bytes:
+    """The file that `save_png` would write of (h, w, 3) linear colours, without where they come from."""
+    with tempfile.TemporaryDirectory(prefix="raytruth-") as folder:
+        file = Path(folder) / "picture.png"
+        write_8_bit(to_8_bit(color), file)
+        return file.read_bytes()
+
+
+def _write(pixels: np.ndarray, path: str | Path, kind: str, names: list[str], about: dict[str, Any]) -> None:
     import OpenImageIO as oiio  # 0.1 s; only when a picture is written
 
     height, width, channels = pixels.shape

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import drjit as dr
 import numpy as np
@@ -39,7 +40,7 @@ class Watch:
         """The band is done."""
 
 
-@dataclass
+@dataclass(repr=False)
 class Picture:
     """What a render returns. Planes are (height, width) or (height, width, 3) NumPy arrays, row 0 at the top.
 
@@ -55,7 +56,17 @@ class Picture:
     depth: np.ndarray  # (h, w) uint8, highest generation of secondary rays traced for the pixel
     status: np.ndarray  # (h, w) uint8, MISS, HIT, or UNDECIDED if any ray of the pixel was
     scene: Scene
-    metadata: dict = field(default_factory=dict)
+    metadata: dict[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        camera, made = self.scene.camera, self.metadata.get("renderer") or self.metadata.get("method") or "unknown"
+        return f"<Picture of {self.scene.name}, {camera.width} x {camera.height}, by {made}>"
+
+    def _repr_png_(self) -> bytes | None:
+        """How a notebook shows the picture: its colours as `save` writes them (decision P1)."""
+        from .image_files import png
+
+        return None if self.color is None else png(self.color)
 
 
 def render(scene: Scene, method: str = "exact", *, precision: int | None = None, device: str = "llvm",

@@ -10,8 +10,8 @@ from comparisons.execution.store import Store
 from comparisons.verdicts import conditioning, metrics
 from comparisons.verdicts.conditioning import Accuracy
 from comparisons.verdicts.judge import judge
-from comparisons.verdicts.measure import verdict_on
 from comparisons.verdicts.metrics import largest_around
+from comparisons.verdicts.pictures import verdict_on
 from comparisons.verdicts.tolerances import MESH, NATIVE
 from reference_tracer.tracer.render import render
 from reference_tracer.tracer.sensitivity import ORIGIN_UNITS, UNIT, perturbed

@@ -208,6 +208,9 @@ def _checked(name: str, data: bytes) -> Input:
 
 
 def _rendered(name: str, data: bytes, chance: random.Random) -> Input:
+    if chance.random() < 0.15:
+        ending = chance.choice((".ply", ".obj", ".stl", ".glb", ".xml", ".pov", ".txt"))
+        return Input(0, "", ["export", f"{{dir}}/{name}", "-o", f"{{dir}}/out{ending}", "--cells=8"], {name: data})
     suffix = chance.choice((".png", ".npz", ".exr"))
     method = chance.choice((["--method", "paper"], ["--method", "interval"], [], [], [], ["--method", "descartes"],
                             ["--precision", "32"], ["--method", "proof"]))
@@ -218,12 +221,14 @@ def _rendered(name: str, data: bytes, chance: random.Random) -> Input:
 NUMERIC = {  # options with a number, for each command; every one of BAD_NUMBERS is wrong for every one of them
     "render": ["--samples", "--step-size", "--threads", "--memory"], "certify": ["--sample", "--paths", "--threads"],
     "sensitivity": ["--verify"], "compare": ["--largest", "--limit", "--jobs"], "transport": ["--limit", "--jobs"],
-    "chart": ["--turns", "--limit"], "plan": ["--tolerance", "--limit"], "stability": ["--rays"], "attribute": ["--jobs"]}
+    "chart": ["--turns", "--limit"], "plan": ["--tolerance", "--limit"], "stability": ["--rays"], "attribute": ["--jobs"],
+    "export": ["--cells"]}
 BAD_NUMBERS = ("abc", "-3", "nan", "NaN", "inf", "-inf", "1e400", "", " ", "½", "9" * 5000, "-1e9", "None", "\x00", "1,5", "0x10")
 SIZED = ("render", "certify", "sensitivity", "chart", "plan", "attribute")
-NAMED = {"compare": "--renderers", "stability": "--family", "chart": "--growth", "render": "--with", "attribute": "--with"}
+NAMED = {"compare": "--renderers", "stability": "--family", "chart": "--growth", "render": "--with", "attribute": "--with",
+         "export": "--object"}
 FOLDERS = {"compare": "--results", "transport": "-o", "stability": "-o", "chart": "-o", "plan": "--results", "report": "--results"}
-FILES = {"render": "-o", "sensitivity": "-o", "plan": "-o"}
+FILES = {"render": "-o", "sensitivity": "-o", "plan": "-o", "export": "-o"}
 SETTINGS = ("resolution=abc", "resolution=NaN", "resolution=1e9", "resolution=-5", "resolution=", "resolution", "=3", "colour=red",
             "resolution=" + "[" * 5000, "shapes=none", "error=nan", "error=-1", "refined=maybe", "resolution=3.5", "repeat=2",
             "\x00=1", "resolution=null", "share=2", "error=inf")
@@ -234,7 +239,7 @@ def options(chance: random.Random) -> Input:
     command = chance.choice([name for name in COMMANDS if name != "doctor"])
     files: dict[str, bytes | None] = {"good.json": json.dumps(GOOD).encode()}
     arguments = [command]
-    scene, output = "{dir}/good.json", "{dir}/out.npz"
+    scene, output = "{dir}/good.json", "{dir}/out.ply" if command == "export" else "{dir}/out.npz"
     wrong = chance.choice([name for name, there in (
         ("number", command in NUMERIC), ("size", command in SIZED), ("name", command in NAMED), ("folder", command in FOLDERS),
         ("file", command in FILES), ("scene", command not in ("report", "stability", "transport")), ("option", True),
@@ -254,7 +259,7 @@ def options(chance: random.Random) -> Input:
         case "file":
             output = chance.choice(("{dir}", "{dir}/none/out.npz", "{dir}/out.gif", "/proc/out.npz", "/dev/null", "{dir}/out", "",
                                     "{dir}/" + "n" * 400 + ".npz", "\x00.npz"))
-            extra = [] if command == "render" else [f"{FILES[command]}={output}"]
+            extra = [] if command in ("render", "export") else [f"{FILES[command]}={output}"]
         case "scene":
             files |= {"pipe.json": None, "broken.json": b"{", "empty.json": b""}
             scene = chance.choice(("{dir}", "{dir}/pipe.json", "/dev/zero", "/dev/null", "{dir}/missing.json", "no-such-scene",
@@ -269,9 +274,9 @@ def options(chance: random.Random) -> Input:
             extra = (["--with", "embree", *chance.choice((["--method", "paper"], ["--precision", "32"], ["--device", "llvm"],
                                                           ["--threads", "1"], ["--memory", "1"]))]
                      if command == "render" else ["--wrong-on-purpose"])
-    if command in ("scenes", "render", "certify", "sensitivity", "compare", "chart", "plan", "attribute"):
+    if command in ("scenes", "render", "certify", "sensitivity", "compare", "chart", "plan", "attribute", "export"):
         arguments += [scene] if not scene.startswith("-") else ["--", scene]
-    if command == "render":
+    if command in ("render", "export"):
         arguments += ["-o", output]
     if command == "attribute" and wrong != "name" and wrong != "contradiction":
         arguments += ["--with", "paper"]

@@ -111,6 +111,11 @@ BAD = [
     (["attribute", "{ball}", "--with", "paper", "--jobs", "0"], "--jobs: must be at least 1"),
     (["scenes", "{dir}/misspelt.json"], "objects[0].surface.radius: is not a key this place knows; did you mean r?"),
     (["scenes", "{dir}/pipe.json"], "pipe.json: is not a regular file"), (["scenes", "/dev/zero"], "is not a regular file"),
+    (["export", "{ball}", "-o", "{dir}/out.usd"], "must end in one of .ply, .obj, .stl, .glb, .xml, .pov, .txt"),
+    (["export", "{ball}", "-o", "{dir}/missing/out.ply"], "does not exist; make it first"),
+    (["export", "{ball}", "-o", "{dir}/out.ply", "--object", "cube"], "has no object 'cube'; give a number from 0 to"),
+    (["export", "{ball}", "-o", "{dir}/out.pov", "--object", "0"], "holds a whole scene; one object goes to .ply"),
+    (["export", "{ball}", "-o", "{dir}/out.ply", "--cells", "3"], "--cells: must be at least 4"),
     (["scenes", "a\0b.json"], "holds the character NUL"), (["scenes", "--colour"], "unrecognized arguments: --colour"),
     (["render", "{ball}"], "the following arguments are required: -o/--output"), (["rendre"], "invalid choice: 'rendre'"),
 ]
@@ -293,7 +298,7 @@ def test_what_kernels_take_to_compile_is_told_before(command, tmp_path, monkeypa
     assert re.search(r"^raytruth: figure-05-sphere: .* operations will take .* to compile", capsys.readouterr().err)
 
 
-@pytest.mark.parametrize("command", [["render", "-o", "/proc/a.npz"], ["sensitivity", "-o", "/proc/a.npz"],
+@pytest.mark.parametrize("command", [["render", "-o", "/proc/a.npz"], ["export", "-o", "/proc/a.ply"], ["sensitivity", "-o", "/proc/a.npz"],
                                      ["plan", "-o", "/proc/a.json"], ["plan", "--results", "/proc/a"]])
 def test_a_place_that_takes_no_files_is_refused_before_the_work(command, capsys, monkeypatch):
     """The permissions of /proc let root write."""

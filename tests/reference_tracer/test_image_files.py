@@ -50,18 +50,36 @@ def test_P1_png_holds_the_rounded_colours(picture, tmp_path):
 def test_P1_exr_holds_linear_unclamped_values_and_every_plane(picture, tmp_path):
     save(picture, tmp_path / "picture.exr")
     pixels, names, spec = read(tmp_path / "picture.exr")
-    assert sorted(names) == sorted(["R", "G", "B", "Z", "P.x", "P.y", "P.z", "N.x", "N.y", "N.z", "id", "depth",
-                                    "status"])
+    assert sorted(names) == sorted(["R", "G", "B", "Z", "P.X", "P.Y", "P.Z", "N.X", "N.Y", "N.Z", "id.Y", "generation.Y",
+                                    "status.Y"])
     channel = lambda *wanted: np.squeeze(pixels[..., [names.index(name) for name in wanted]])
     for wanted, plane in ((("R", "G", "B"), picture.color), (("Z",), picture.t),
-                          (("P.x", "P.y", "P.z"), picture.position), (("N.x", "N.y", "N.z"), picture.normal),
-                          (("id",), picture.index), (("depth",), picture.depth), (("status",), picture.status)):
+                          (("P.X", "P.Y", "P.Z"), picture.position), (("N.X", "N.Y", "N.Z"), picture.normal),
+                          (("id.Y",), picture.index), (("generation.Y",), picture.depth), (("status.Y",), picture.status)):
         np.testing.assert_array_equal(channel(*wanted), plane.astype(np.float32))
-    assert channel("R").max() > 1.5 and np.isposinf(channel("Z")).any() and np.isnan(channel("P.x")).any()
+    assert channel("R").max() > 1.5 and np.isposinf(channel("Z")).any() and np.isnan(channel("P.X")).any()
     assert spec.getattribute("raytruth:scene_hash") == picture.scene.hash
     assert spec.getattribute("raytruth:method") == "exact" and spec.getattribute("raytruth:drjit")
     assert json.loads(spec.getattribute("raytruth:tracing"))["step_size"] == 0.1
     assert json.loads(spec.getattribute("raytruth:threads")) == 2
+
+
+def test_mitsuba_splits_an_exr_into_layers(picture, tmp_path):
+    """Another program's reading of the names: vectors for places and normals, numbers for what is counted, and colours."""
+    from converters.mitsuba.variant import mi
+
+    save(picture, tmp_path / "picture.exr")
+    layers = dict(mi.Bitmap(str(tmp_path / "picture.exr")).split())
+    assert {name: layer.pixel_format() for name, layer in layers.items() if name != "<root>"} == {
+        "P": mi.Bitmap.PixelFormat.XYZ, "N": mi.Bitmap.PixelFormat.XYZ, "id": mi.Bitmap.PixelFormat.Y,
+        "generation": mi.Bitmap.PixelFormat.Y, "status": mi.Bitmap.PixelFormat.Y}
+    root = [field.name for field in layers["<root>"].struct_()]
+    assert sorted(root) == ["B", "G", "R", "Z"]
+    np.testing.assert_array_equal(np.array(layers["<root>"])[..., [root.index(c) for c in "RGB"]], picture.color.astype(np.float32))
+    for name, plane in (("P", picture.position), ("N", picture.normal)):
+        np.testing.assert_array_equal(np.array(layers[name]), plane.astype(np.float32))
+    for name, plane in (("id", picture.index), ("generation", picture.depth), ("status", picture.status)):
+        np.testing.assert_array_equal(np.array(layers[name]).reshape(plane.shape), plane.astype(np.float32))
 
 
 def test_npz_is_exact(picture, tmp_path):
