@@ -43,6 +43,8 @@ def main(argv: list[str] | None = None) -> int:
         module.add_arguments(own)
     if any("\0" in argument for argument in argv or ()):  # no shell can pass one, a program can
         parser.error("an option or path holds the character NUL; leave it out")
+    if wrong := [a for a in (sys.argv[1:] if argv is None else argv) if a.startswith("--") and a.endswith("=--")]:
+        parser.error(f"{wrong[0]}: is an option without a value")  # argparse makes a list of what is after the sign
     arguments = parser.parse_args(argv)
     from reference_tracer.errors import InputError
 

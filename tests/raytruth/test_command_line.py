@@ -116,6 +116,8 @@ BAD = [
     (["export", "{ball}", "-o", "{dir}/out.ply", "--object", "cube"], "has no object 'cube'; give a number from 0 to"),
     (["export", "{ball}", "-o", "{dir}/out.pov", "--object", "0"], "holds a whole scene; one object goes to .ply"),
     (["export", "{ball}", "-o", "{dir}/out.ply", "--cells", "3"], "--cells: must be at least 4"),
+    (["stability", "--family=--"], "--family=--: is an option without a value"),
+    (["export", "{ball}", "-o", "{dir}/out.ply", "--object=--"], "--object=--: is an option without a value"),
     (["scenes", "a\0b.json"], "holds the character NUL"), (["scenes", "--colour"], "unrecognized arguments: --colour"),
     (["render", "{ball}"], "the following arguments are required: -o/--output"), (["rendre"], "invalid choice: 'rendre'"),
 ]
