@@ -8,7 +8,7 @@ import reference_tracer  # noqa: F401  chooses the LLVM library
 SLOW = {
     "accumulation", "attribution", "attribution_suite", "backend", "bench", "bounds", "broken_methods", "certify",
     "certify_multiple_roots", "certify_switches", "certify_tangency", "chart_suite", "clip", "command_line", "compilation",
-    "conditioning", "cpp_port", "decisions", "document", "embree", "enclosures", "extending", "figure_switches",
+    "conditioning", "cpp_port", "decisions", "document", "effects", "embree", "enclosures", "extending", "figure_switches",
     "figure_switches_elsewhere", "first_hit", "formulas", "hostile_inputs", "intervals", "laws", "matrix", "memory_bands",
     "mesh_clipping", "mesh_closed_forms", "mesh_error", "misbehaving", "mitsuba_geometry", "mitsuba_grids",
     "mitsuba_picture", "mitsuba_refined", "mutants", "nearest_scene", "not_finite", "odd_parts", "oracle", "pixel_limits",
