@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from reference_tracer.scene.model import Scene
+from reference_tracer.scene.model import Camera, Scene
 
 from .results import Effect, Run
 from .runs import Request
@@ -14,7 +14,7 @@ from .verdicts.pairs import Measurements, Pair
 
 @dataclass(frozen=True)
 class Alternative:
-    """A decision and a scene on which doing otherwise shows."""
+    """A decision and a scene on which doing otherwise shows: other parameters of tracing, or of the camera."""
 
     decision: str
     scene: str
@@ -22,6 +22,13 @@ class Alternative:
     traced_with: dict
     method: str
     why: Callable[[dict], str]
+    camera: dict = field(default_factory=dict)
+
+    def of(self, scene: Scene) -> Scene:
+        """`scene`, otherwise."""
+        changed = scene.traced_with(**self.traced_with)
+        camera = Camera.model_validate({**scene.camera.model_dump(), **self.camera})
+        return changed.model_copy(update={"camera": camera})
 
 
 def _share(m: dict) -> str:
@@ -46,6 +53,21 @@ ALTERNATIVES = (
                 lambda m: f"What is seen in mirrors within mirrors and through glass turns black: {_share(m)}."),
     Alternative("M5", "figure-reflection", "rays that end at 30 instead of 100", {"max_distance": 30.0}, "exact",
                 lambda m: f"The floor ends early: {_share(m)}."),
+    # what the document's figures do otherwise than its text
+    Alternative("F1", "figure-17-scene1", "lights that share what is dark yet, as in the figures", {"lights": "balanced"},
+                "exact",
+                lambda m: f"Where several lights arrive it is less bright than their sum: {_share(m)}."),
+    Alternative("F2", "figure-17-scene1", "an ambient light of 0.1, as in the figure", {"ambient": 0.1}, "exact",
+                lambda m: f"No shadow is black: {_share(m)}."),
+    *(Alternative("F3", name, "transparent objects that cast no shadow, as in the figures", {"shadows": "opaque_only"}, "exact",
+                  lambda m: f"What lies in the shadow of glass, and glass itself from within, turns brighter: {_share(m)}.")
+      for name in ("figure-16-refraction-n1.4", "figure-17-scene1")),
+    *(Alternative("F4", name, "one range for a whole path, as in the figures", {"range": "path"}, "exact",
+                  lambda m: f"What is seen in mirrors within mirrors ends early, in the background: {_share(m)}.")
+      for name in ("figure-10-refraction-n0.8", "figure-18-scene2")),
+    Alternative("F5", "figure-19-scene3", "axes of the canvas that stay the world's x and y, as in the figure", {}, "exact",
+                lambda m: f"The picture is sheared, and its middle stays: {_share(m)}.",
+                {"v_x": (1.0, 0.0, 0.0), "v_y": (0.0, 1.0, 0.0)}),
 )
 
 
@@ -75,5 +97,5 @@ def _compared(scenes: Sequence[Scene], runs: dict[str, Run]) -> list[tuple[Alter
 
 def _pairs(scenes: Sequence[Scene]) -> list[tuple[Alternative, Request, Request]]:
     by_name = {scene.name: scene for scene in scenes}
-    return [(a, Request(by_name[a.scene], a.method), Request(by_name[a.scene].traced_with(**a.traced_with), a.method))
+    return [(a, Request(by_name[a.scene], a.method), Request(a.of(by_name[a.scene]), a.method))
             for a in ALTERNATIVES if a.scene in by_name]

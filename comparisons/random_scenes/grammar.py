@@ -21,6 +21,7 @@ from .arithmetic import rational
 WIDTH, HEIGHT = 12, 9
 MOST_TURNS = 720
 SHARED = 8
+SWITCHED = 0.08  # of the scenes, each of five switches
 
 
 @dataclass
@@ -108,7 +109,21 @@ class _Draw:
                    "max_depth": self.random.choice((1, 1, 2))}
         scene = {"name": f"random-{self.seed}", "camera": camera, "objects": objects, "lights": lights,
                  "background": [self.between(0, 0.5) for _ in range(3)], "tracing": tracing}
+        self._switch(scene)
         return Drawn(self.seed, kind, scene, self.traits)
+
+    def _switch(self, scene: dict) -> None:
+        """Decisions F1 to F5, each on some scenes; SHARED seeds in a row share them as they share kernels."""
+        random, tracing, camera = Random(f"switches {self.seed // SHARED}"), scene["tracing"], scene["camera"]
+        chosen = [random.random() < SWITCHED for _ in range(5)]
+        usual = ({"lights": "balanced"}, {"ambient": self.between(0.05, 0.5)}, {"shadows": "opaque_only"}, {"range": "path"})
+        for on, switch in zip(chosen, usual):
+            tracing |= switch if on else {}
+        if chosen[4]:
+            sheared = lambda axis: [c + self.between(-0.2, 0.2) for c in axis]
+            (a, b, c), (p, q, r) = camera["up"], camera["direction"]
+            camera |= {"v_x": sheared((b * r - c * q, c * p - a * r, a * q - b * p)), "v_y": sheared(camera["up"])}
+        self.traits |= {"switches"} if any(chosen) else set()
 
     _offset = (0.0, 0.0, 0.0)
 

@@ -56,6 +56,7 @@ class Judge:
         self.oracle, self.random = Oracle(scene), Random(seed)
         self.tolerance = 8 * 2.0**-52  # of the last step of a root search (decision M6), relative to max(1, t): that of `exact`
         brightest = sum(max(light.get("brightness", (1, 1, 1))) for light in scene.get("lights", ()))
+        brightest += scene.get("tracing", {}).get("ambient", 0)
         self.brightest = max(brightest, max(scene.get("background", (0,))), 1e-300)
         far = lambda v: max(abs(float(c)) for c in v)
         self.reach = far(scene["camera"].get("position", (0,))) + max(
@@ -260,7 +261,8 @@ class Judge:
         """Rays within NEARBY units of rounding of the exact one."""
         draw = lambda size: rational(self.random.uniform(-1, 1) * NEARBY * EPSILON * size)
         for _ in range(TRIES):
-            yield Ray(tuple(c + draw(self.reach) for c in ray.o), tuple(c + draw(1.0) for c in ray.d), ray.inside)
+            yield Ray(tuple(c + draw(self.reach) for c in ray.o), tuple(c + draw(1.0) for c in ray.d), ray.inside,
+                      ray.limit)
 
     def _nearby_answers(self, ray: Ray, holds):
         for near in self._nearby(ray):

@@ -86,7 +86,7 @@ class Solid:
         self.axes = _turned(document.get("rotation"))
         # what is promised to hold the surface counts where f may have no value outside; inside it, f is what it is
         self.box = surface.get("bounds") if self.sign > 0 and not self.formula.is_polynomial else None
-        material = document.get("material", {})
+        self.casts_shadow, material = document.get("shadow", True), document.get("material", {})
         self.color = balls(material.get("color", (1, 1, 1)))
         self.reflection, self.transparency, self.index = (
             arb(rational(material.get(name, usual))) for name, usual in
@@ -287,6 +287,7 @@ class Ray:
     o: Triple
     d: Triple
     inside: tuple[bool, ...]
+    limit: fmpq  # how far it reaches
     leaves: int = NOTHING  # the object whose surface it starts on
 
 
@@ -313,16 +314,18 @@ class Oracle:
         self.limit, self.max_depth = rational(tracing.get("max_distance", 30.0)), tracing.get("max_depth", 8)
         self.step_size, self.max_iterations = rational(tracing.get("step_size", 0.1)), tracing.get("max_iterations", 20)
         self.tolerance = tracing.get("tolerance", 1e-12)
+        self.ambient, self.balanced = arb(rational(tracing.get("ambient", 0))), tracing.get("lights") == "balanced"
+        self.opaque_only, self.shared_range = tracing.get("shadows") == "opaque_only", tracing.get("range") == "path"
         self.camera = camera = scene["camera"]
         self.position = balls(camera.get("position", (0, 0, 0)))
         self.v_dir = unit(balls(camera.get("direction", (0, 0, 1))))
-        self.v_x = unit(cross(balls(camera.get("up", (0, 1, 0))), self.v_dir))
-        self.v_y = cross(self.v_dir, self.v_x)
+        self.v_x = unit(balls(camera["v_x"]) if "v_x" in camera else cross(balls(camera.get("up", (0, 1, 0))), self.v_dir))
+        self.v_y = unit(balls(camera["v_y"]) if "v_y" in camera else cross(self.v_dir, self.v_x))
         half = arb(rational(camera.get("fov", 60.0))) / 360
         self.per_pixel = 2 * half.sin_pi() / half.cos_pi() / max(camera["width"], camera["height"])
 
     def camera_ray(self, row: int, column: int) -> Ray:
-        """The ray through the centre of a pixel (section 2, decision C1)."""
+        """The ray through the centre of a pixel (section 2, decisions C1 and F5)."""
         x = self.per_pixel * (fmpq(2 * column + 1, 2) - fmpq(self.camera["width"], 2))
         y = self.per_pixel * (fmpq(self.camera["height"], 2) - fmpq(2 * row + 1, 2))
         d = unit(along(along(self.v_dir, self.v_x, x), self.v_y, y))
@@ -339,12 +342,12 @@ class Oracle:
             if not _is_signed(value):
                 raise Unsettled("f is zero, or not defined, at the camera")
             inside.append(bool(value < 0))
-        return Ray(o, d, tuple(inside))
+        return Ray(o, d, tuple(inside), self.limit)
 
     def first_hit(self, ray: Ray) -> Hit:
         firsts = []
         for k, solid in enumerate(self.solids):
-            crossings = solid.crossings(ray.o, ray.d, self.limit, ray.inside[k], ray.leaves == k, only_first=True)
+            crossings = solid.crossings(ray.o, ray.d, ray.limit, ray.inside[k], ray.leaves == k, only_first=True)
             if crossings:
                 firsts.append((crossings[0], k))
         if not firsts:
@@ -414,7 +417,8 @@ class Oracle:
         if (1 - R) * (1 - T) > 0:
             light = self._illumination(ray, hit.index, point, normal)
             color = tuple((1 - R) * (1 - T) * c * i for c, i in zip(solid.color, light))
-        follow = lambda v, inside: self.color(Ray(point, points(unit(v)), inside, hit.index), generation + 1)
+        left = ray.limit - hit.t.mid().fmpq() if self.shared_range else self.limit  # decisions F4, M5
+        follow = lambda v, inside: self.color(Ray(point, points(unit(v)), inside, left, hit.index), generation + 1)
         weight = R * (1 - T)
         refracted = self._refracted(d, normal, cos1, solid.index, ray.inside[hit.index]) if T > 0 else None
         if T > 0 and refracted is None:
@@ -427,8 +431,8 @@ class Oracle:
         return color
 
     def _illumination(self, ray: Ray, index: int, point: Triple, normal: Triple) -> Triple:
-        """Section 4.3.1, decisions L1 to L3."""
-        total = (arb(0),) * 3
+        """Section 4.3.1, decisions L1 to L3, F1 to F3."""
+        total = (self.ambient,) * 3
         for position, brightness in self.lights:
             to_light = along(position, balls(point), -1)
             distance, direction = dot(to_light, to_light).sqrt(), unit(to_light)
@@ -437,10 +441,13 @@ class Oracle:
                 continue
             intensity = arb(1)
             for k, solid in enumerate(self.solids):
+                if not solid.casts_shadow or (self.opaque_only and solid.transparency > 0):
+                    continue
                 crossed = solid.crossings(point, points(direction), rational(distance), ray.inside[k], index == k,
                                           only_first=bool(solid.transparency == 0))
                 intensity *= solid.transparency ** len(crossed)
-            total = along(total, brightness, cos * intensity)
+            more = tuple(cos * intensity * b for b in brightness)
+            total = tuple(1 - (1 - a) * (1 - b) if self.balanced else a + b for a, b in zip(total, more))
         return total
 
     @staticmethod

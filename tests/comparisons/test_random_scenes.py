@@ -10,11 +10,14 @@ from flint import arb
 
 from comparisons.random_scenes import grammar, suite, worker
 from comparisons.random_scenes.arithmetic import Formula, Taylor, rational
+from comparisons.random_scenes.judge import Judge
 from comparisons.random_scenes.oracle import NOTHING, NotDefined, Oracle, Unsettled, exactly
 from raytruth.cli import main
 from reference_tracer.first_hit import bounded_quadric, segments
+from reference_tracer.scene.load import parse_scene
 from reference_tracer.tracer.families import Member
 from reference_tracer.tracer.rays import Sides
+from reference_tracer.tracer.render import render
 from reference_tracer.tracer.world import World
 
 FEW = (16, 32, 88, 128, 136, 144, 168, 184, 208, 216)  # of many kinds
@@ -102,6 +105,29 @@ def test_a_seed_is_a_scene():
 def test_exact_holds_on_random_scenes(seed):
     answer = worker.judged(seed, "exact")
     assert not answer.get("fault") and answer["wrong"] == [] and answer["counts"]["pixels"] == worker.JUDGED
+
+
+@pytest.mark.parametrize("seed, switch", [(395, "lights"), (555, "ambient"), (1435, "shadows"), (131, "v_x")])
+def test_a_picture_without_a_switch_of_its_scene_is_noticed(seed, switch):
+    drawn = grammar.draw(seed).scene
+    kept = lambda part: {key: value for key, value in drawn[part].items() if key not in (switch, switch.replace("x", "y"))}
+    assert kept("tracing") != drawn["tracing"] or kept("camera") != drawn["camera"]
+    pixels = [(row, column) for row in range(2, 7) for column in range(3, 9)]
+    picture = lambda document: render(parse_scene(json.dumps(document).encode()), "exact", threads=1)
+    assert not Judge(drawn).judge(picture(drawn), pixels).wrong
+    assert len(Judge(drawn).judge(picture({**drawn, "tracing": kept("tracing"), "camera": kept("camera")}), pixels).wrong) > 4
+
+
+def test_the_oracle_shares_a_range_along_a_path():
+    """A corridor of mirrors, met at 2, 6, 10, ... : (1 - R) R^k each, the background behind the last that is reached."""
+    corridor = scene("2 - z", camera=(0, 0, 0), max_distance=11, range="path") | {
+        "lights": [{"position": [0, 0, 0]}], "background": [0.25] * 3}
+    corridor["objects"] = [{"surface": {"type": "expression", "formula": f}, "material": {"reflection": 0.5}}
+                           for f in ("2 - z", "z + 2")]
+    for shared, mirrors in (("path", 3), ("ray", 9)):
+        corridor["tracing"]["range"] = shared
+        oracle = Oracle(corridor)
+        assert float(oracle.color(oracle.camera_ray(1, 1))[0]) == pytest.approx(1 - 0.75 * 0.5**mirrors, abs=1e-15)
 
 
 # --- wrong tracers -----------------------------------------------------------------------------------------------------
