@@ -18,11 +18,10 @@ from . import renderers
 from .execution import store
 from .execution.pool import Pool, Task, complete
 from .planes import problem, read_planes
-from .results import RUNS, Run, Timing
+from .results import OF_OBJECTS, RUNS, Run, Timing
 from .verdicts.metrics import Planes
 
 TIMINGS = ("build", "first", "warm")
-OF_OBJECTS = ("errors", "tilts")  # lists, a number for every object
 LARGEST_FILE = 1 << 30, 256  # bytes a renderer may write into one file, and as many more a pixel
 
 
@@ -85,7 +84,7 @@ class RunStore(store.Store):
         try:
             return Run(**about, state=state, message=message, planes=self.relative(task.key) if state == "ok" else None,
                        timing=Timing(**{name: facts.get(name) for name in TIMINGS}),
-                       errors=facts.get("errors", []), tilts=facts.get("tilts", []),
+                       **{name: facts.get(name, []) for name in OF_OBJECTS},
                        facts={k: v for k, v in facts.items() if k not in (*TIMINGS, *OF_OBJECTS)})
         except ValidationError:
             return Run(**about, state="malformed", message="told facts that are no numbers or texts")

@@ -1,8 +1,8 @@
 """How far a renderer's picture may be from the reference's, pixel by pixel.
 
-A pixel is held to what follows from the objects on its path: rounding to the renderer's precision, and the distance of its
-meshes or grids from the surfaces they stand for. Both are measured on the reference itself, by perturbation
-(reference_tracer/tracer/sensitivity.py), at the price of many pictures, and kept by content.
+A pixel is held to what follows from the objects on its path: rounding to the renderer's precision, and how far its meshes
+or grids, and the normals on them, are from the surfaces they stand for. Both are measured on the reference itself, by
+perturbation (reference_tracer/tracer/sensitivity.py), at the price of many pictures, and kept by content.
 """
 
 from __future__ import annotations
@@ -30,13 +30,16 @@ class Accuracy:
     precision: int
     errors: tuple[float, ...] = ()  # a number for every object; none: all are exact
     tilts: tuple[float, ...] = ()
+    normal_errors: tuple[float, ...] = ()
     color: float = 0.0  # absolute
     t: float = 0.0  # relative
     normal: float = 0.0
 
     @property
     def displaced(self) -> Displaced | None:
-        return Displaced(self.errors, self.tilts) if any(self.errors) else None
+        if not any((*self.errors, *self.normal_errors)):
+            return None
+        return Displaced(self.errors, self.tilts, self.normal_errors or (0.0,) * len(self.errors))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from reference_tracer.tracer.render import Picture
 
 from ..execution.store import Store
 from ..planes import read_planes
-from ..results import Gate, Run, Verdict
+from ..results import OF_OBJECTS, Gate, Run, Verdict
 from . import conditioning, metrics, oracle
 from .judge import judge
 from .tolerances import accuracy_of, tolerance_of
@@ -51,8 +51,9 @@ def verdict_on(scene: Scene, name: str, picture: Picture, test: Picture, kept: S
     """The verdict on the reference's picture `test`, held against the one of the renderer called `name`: neither is a
     truth, and what they may be apart is what that renderer may be from the reference."""
     facts = picture.metadata
-    run = Run(key="", scene=scene.name, renderer=name, title=name, state="ok", command="", errors=facts.get("errors", []),
-              tilts=facts.get("tilts", []), facts={k: v for k, v in facts.items() if isinstance(v, (bool, int, float, str))})
+    run = Run(key="", scene=scene.name, renderer=name, title=name, state="ok", command="",
+              **{name: facts.get(name, []) for name in OF_OBJECTS},
+              facts={k: v for k, v in facts.items() if isinstance(v, (bool, int, float, str))})
     a, b = ({**vars(p), "camera": np.array(scene.camera.position)} for p in (test, picture))
     measured = {**metrics.geometry(a, b), **metrics.picture(a, b)}
     if accuracy := accuracy_of(run):

@@ -15,7 +15,7 @@ from ..execution import store
 from ..execution.pool import Pool, Task, complete
 from ..execution.store import Store
 from ..results import Run, State
-from .tolerances import accuracy_of
+from .tolerances import accuracy_of, measurable
 
 FOLDER = "measured"
 TRUTH = "exact"
@@ -43,7 +43,7 @@ class Pair:
     def accuracies(self) -> list[dict]:
         """What single pixels are held to: the accuracies of the two, one of two that share their geometry; none where
         nothing is measurable, or both are the truth's."""
-        if any(None in run.errors for run in (self.first, self.second)):
+        if not (measurable(self.first) and measurable(self.second)):
             return []
         found = [asdict(a) for run in (self.first, self.second) if (a := accuracy_of(run))]
         return list({repr(a): a for a in found}.values())

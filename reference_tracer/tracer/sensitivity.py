@@ -3,22 +3,25 @@
 Two faultless renderers round differently. Where a pixel's colour depends smoothly on its rays, the difference stays
 near the size of rounding; at a silhouette, a shadow's edge, the critical angle of refraction or (for the literal
 method) a step's boundary, rounding decides and the colour may jump. Neither is a method's fault. The map is measured:
-every ray of every generation is moved by a few units of rounding, at random, several times over.
+every ray of every generation is moved by a few units of rounding, at random, several times over; where a renderer's
+surfaces are displaced, or their normals off, so are the reference's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import drjit as dr
 import numpy as np
 
 from ..scene.model import Scene
 from .rays import Ray
-from .render import Picture, Watch, render
+from .render import Picture, Renderer, Watch
 from .shading import Interaction
 from .wavefront import Wave
+from .world import World
 
 UNIT = {64: 2.0**-53, 32: 2.0**-24}  # of rounding
 ORIGIN_UNITS, DIRECTION_UNITS = 8.0, 4.0  # what a few dozen rounded operations leave in a hit point and a direction
@@ -27,6 +30,30 @@ SAFETY = 3.0  # all n uniform samples stay below 1 / SAFETY of their largest pos
 FLOOR_UNITS = 64.0  # rounding of the shading itself, relative to 1 + colour
 
 OBJECT, LIGHT, TOTAL_REFLECTION = 1, 2, 4  # discrete risks: bits of the risk plane
+
+
+class Turned(World):
+    """A world whose normals are turned, those of each object by up to its own angle, at random and anew for every ray."""
+
+    SEQUENCE = 1 << 62  # of random numbers: others than those that move rays
+
+    def __init__(self, *of_world, angles: Sequence[float]):
+        super().__init__(*of_world)
+        self.angles, self.stream = self._column(angles), dr.opaque(self.arrays.Bits, 0)
+
+    @property
+    def variables(self) -> list:
+        return [*super().variables, self.angles, self.stream]
+
+    def normal(self, point, index, active):
+        normal, arrays = super().normal(point, index, active), self.arrays
+        random = arrays.PCG32(dr.width(index), initstate=self.stream, initseq=arrays.Bits(self.SEQUENCE))
+        number = lambda: arrays.Float(random.next_float64())
+        across = dr.cross(normal, arrays.Vector(*(2 * number() - 1 for _ in range(3))))
+        # evenly over a disc around the tip of the normal
+        angle = dr.gather(arrays.Float, self.angles, index, active) * dr.sqrt(number())
+        turned = normal + across * (angle / dr.norm(across))
+        return dr.select(angle > 0, turned / dr.norm(turned), normal)
 
 
 class Perturbation(Watch):
@@ -43,16 +70,18 @@ class Perturbation(Watch):
         self.met, self.unsure = dr.zeros(world.arrays.UInt, max(count, 2)), dr.zeros(world.arrays.Float, max(count, 2))
         dr.make_opaque(list(self.sums.values()), self.met, self.unsure)
         if self.displaced:
-            self.moves = world.arrays.UInt([int(error > 0) for error in self.displaced.errors] + [0])
+            off = zip(self.displaced.errors, self.displaced.normal_errors)
+            self.moves = world.arrays.UInt([int(error > 0 or turn > 0) for error, turn in off] + [0])
             self.tilts = world.arrays.Float([*map(float, self.displaced.tilts), 0.0])
             dr.make_opaque(self.moves, self.tilts)
 
     def disturb(self, wave: Wave) -> Ray:
         arrays = self.world.arrays
         self.wave_number += 1
+        self.world.stream = dr.opaque(arrays.Bits, 1000003 * self.seed + self.wave_number)
         if not self.unit:
             return wave.ray
-        random = arrays.PCG32(len(wave), initstate=arrays.Bits(dr.opaque(arrays.Bits, 1000003 * self.seed + self.wave_number)))
+        random = arrays.PCG32(len(wave), initstate=self.world.stream)
         noise = lambda units: arrays.Vector(*(
             (2 * arrays.Float(random.next_float64()) - 1) * arrays.constant(units * self.unit) for _ in range(3)))
         o, d = wave.ray.o, wave.ray.d
@@ -104,6 +133,7 @@ class Displaced:
 
     errors: tuple[float, ...]  # how far they lie from where they should
     tilts: tuple[float, ...]  # how far their facets turn from them, in radians
+    normal_errors: tuple[float, ...]  # how far the normals on them turn from theirs, in radians
 
 
 @dataclass
@@ -201,10 +231,12 @@ def perturbed(scene: Scene, method: str, unit: float, seed: int) -> tuple[Pictur
 
 
 def _perturbed(scene: Scene, method: str, unit: float, seed: int, displaced: Displaced | None) -> tuple[Picture, Perturbation]:
-    """The same with surfaces displaced; `seed` 0 leaves them in their places."""
+    """The same with surfaces displaced and normals turned; `seed` 0 leaves them as they are."""
     camera = scene.camera
-    watch = Perturbation(unit, seed, camera.width * camera.height, displaced)
-    return render(_moved(scene, displaced.errors, seed) if displaced and seed else scene, method, watch=watch), watch
+    watch, world = Perturbation(unit, seed, camera.width * camera.height, displaced), World
+    if displaced and seed:
+        scene, world = _moved(scene, displaced.errors, seed), partial(Turned, angles=displaced.normal_errors)
+    return Renderer(scene, method, world=world).picture(watch=watch), watch
 
 
 def _moved(scene: Scene, errors: Sequence[float], seed: int) -> Scene:
