@@ -9,7 +9,7 @@ SLOW = {
     "accumulation", "attribution", "attribution_suite", "backend", "bench", "bounds", "broken_methods", "certify",
     "certify_multiple_roots", "certify_tangency", "chart_suite", "clip", "command_line", "compilation", "conditioning",
     "cpp_port", "decisions", "document", "embree", "enclosures", "extending", "first_hit", "formulas",
-    "hostile_inputs", "intervals", "laws", "matrix", "memory_bands", "mesh_clipping", "mesh_closed_forms",
+    "hostile_inputs", "interrupted_suites", "intervals", "laws", "matrix", "memory_bands", "mesh_clipping", "mesh_closed_forms",
     "mesh_error", "misbehaving", "mitsuba_geometry", "mitsuba_grids", "mitsuba_picture", "mitsuba_refined", "mutants",
     "not_finite", "odd_parts", "oracle", "pixel_limits", "plan", "pool", "povray_picture", "povray_scene",
     "random_scenes", "renderer_mutants", "repeatability", "report_build", "report_stability", "report_transport",
