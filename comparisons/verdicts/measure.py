@@ -18,16 +18,23 @@ from . import conditioning, metrics, oracle
 from .judge import judge
 from .tolerances import accuracy_of, tolerance_of
 
+# To add a metric: write a file with a function of the planes of two pictures, the reference's first, that returns numbers by
+# their names, and list it here. Reports show every number.
+METRICS = (metrics.geometry, metrics.picture)
+
+
+def measured(reference: metrics.Planes, test: metrics.Planes) -> dict[str, float | int | None]:
+    """What all METRICS say of two pictures."""
+    return {name: value for metric in METRICS for name, value in metric(reference, test).items()}
+
 
 def answer(arguments: dict) -> dict:
     """In a worker: what the gates need and pages show of two pictures."""
     scene = parse_scene(arguments["scene"].encode(), "scene")
-    (a, inner_a), (b, inner_b) = (_picture(path, Path(path).stat().st_mtime_ns, scene.camera.position)
-                                  for path in arguments["planes"])
+    a, b = (_picture(path, Path(path).stat().st_mtime_ns, scene.camera.position) for path in arguments["planes"])
     error = metrics.pixel_error(a["color"], b["color"])
-    inner = error[inner_a & inner_b]
-    found = {**metrics.geometry(a, b, inner_a), **metrics.picture(a, b),
-             "inner max": float(np.nanmax(inner)) if np.isfinite(inner).any() else None}
+    inner = error[a["interior"] & b["interior"]]
+    found = {**measured(a, b), "inner max": float(np.nanmax(inner)) if np.isfinite(inner).any() else None}
     if arguments["smooth"]:
         away = error[conditioning.smooth(scene, a)]
         found["smooth color p99"] = float(np.quantile(away, 0.99)) if away.size else None
@@ -44,7 +51,7 @@ def answer(arguments: dict) -> dict:
 @lru_cache(maxsize=6)  # every renderer's picture of a scene meets all the others
 def _picture(path: str, _: int, camera: tuple[float, float, float]):
     planes = read_planes(Path(path), camera)
-    return planes, metrics.interior(planes)
+    return {**planes, "interior": metrics.interior(planes)}
 
 
 def verdict_on(scene: Scene, name: str, picture: Picture, test: Picture, kept: Store) -> tuple[Verdict, str, list[Gate]]:
@@ -55,7 +62,7 @@ def verdict_on(scene: Scene, name: str, picture: Picture, test: Picture, kept: S
               **{name: facts.get(name, []) for name in OF_OBJECTS},
               facts={k: v for k, v in facts.items() if isinstance(v, (bool, int, float, str))})
     a, b = ({**vars(p), "camera": np.array(scene.camera.position)} for p in (test, picture))
-    measured = {**metrics.geometry(a, b), **metrics.picture(a, b)}
+    found = measured(a, b)
     if accuracy := accuracy_of(run):
-        measured |= conditioning.apart(a, b, conditioning.limits(scene, accuracy, kept), run.facts.get("tells_depth", True))
-    return judge(measured, tolerance_of(run), tolerance_of(run, exact=True))
+        found |= conditioning.apart(a, b, conditioning.limits(scene, accuracy, kept), run.facts.get("tells_depth", True))
+    return judge(found, tolerance_of(run), tolerance_of(run, exact=True))
