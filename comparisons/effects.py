@@ -75,5 +75,5 @@ def _compared(scenes: Sequence[Scene], runs: dict[str, Run]) -> list[tuple[Alter
 
 def _pairs(scenes: Sequence[Scene]) -> list[tuple[Alternative, Request, Request]]:
     by_name = {scene.name: scene for scene in scenes}
-    return [(a, Request(by_name[a.scene], a.method), Request(by_name[a.scene].traced_with(**a.traced_with), a.method))
-            for a in ALTERNATIVES if a.scene in by_name]
+    changed = lambda a: Request(by_name[a.scene].traced_with(**a.traced_with), a.method, changes=a.traced_with)
+    return [(a, Request(by_name[a.scene], a.method), changed(a)) for a in ALTERNATIVES if a.scene in by_name]

@@ -27,11 +27,12 @@ LARGEST_FILE = 1 << 30, 256  # bytes a renderer may write into one file, and as 
 
 @dataclass(frozen=True)
 class Request:
-    """A run to be made."""
+    """A run to be made. `changes` are those of its tracing by which `scene` differs from the one of that name."""
 
     scene: Scene
     renderer: str
     settings: dict = field(default_factory=dict)
+    changes: dict = field(default_factory=dict)
 
     @cached_property
     def key(self) -> str:
@@ -46,7 +47,8 @@ class Request:
 
     @property
     def command(self) -> str:
-        camera, options = self.scene.camera, "".join(f" --set {k}={v}" for k, v in sorted(self.settings.items()))
+        camera, told = self.scene.camera, (("--set", self.settings), ("--tracing", self.changes))
+        options = "".join(f" {option} {k}={v}" for option, values in told for k, v in sorted(values.items()))
         return (f"raytruth render {self.scene.name} --with {self.renderer}{options} "
                 f"--size {camera.width}x{camera.height} -o {self.scene.name}.npz")
 
