@@ -13,7 +13,8 @@ SLOW = {
     "mesh_error", "misbehaving", "mitsuba_geometry", "mitsuba_grids", "mitsuba_picture", "mitsuba_refined", "mutants",
     "not_finite", "odd_parts", "oracle", "pixel_limits", "plan", "pool", "povray_picture", "povray_scene",
     "random_scenes", "renderer_mutants", "repeatability", "report_build", "report_stability", "report_transport",
-    "sensitivity", "store", "suite", "ties", "transport_cases", "transport_suite", "wavefront_against_recursion"}
+    "right_is_never_odd", "sensitivity", "store", "suite", "ties", "transport_cases", "transport_suite",
+    "wavefront_against_recursion"}
 
 
 def pytest_collection_modifyitems(items):
