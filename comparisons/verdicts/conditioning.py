@@ -8,9 +8,11 @@ perturbation (reference_tracer/tracer/sensitivity.py), at the price of many pict
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
+from pathlib import Path
 
 import numpy as np
 
+from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
 from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNIT, Displaced, perturbed, response
@@ -68,9 +70,25 @@ def _planes(limits: Limits) -> list[np.ndarray]:
     return [getattr(limits, field.name) for field in fields(limits)]
 
 
+def accuracy_from(told: dict) -> Accuracy:
+    """The accuracy that `asdict` told, by way of JSON."""
+    return Accuracy(**{name: tuple(value) if isinstance(value, list) else value for name, value in told.items()})
+
+
+def make(arguments: dict) -> dict:
+    """In a worker: measures limits, which are kept for all who ask for them."""
+    scene, kept = parse_scene(arguments["scene"].encode(), "scene"), Store(Path(arguments["results"]), FOLDER)
+    limits(scene, accuracy_from(arguments["accuracy"]), kept)
+    return {"state": "ok"}
+
+
+def key_of(scene: Scene, accuracy: Accuracy, method: str = "exact") -> str:
+    return store.key(scene.hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
+
+
 def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact") -> Limits:
     """The limits of a renderer of `accuracy` on `scene`, against the reference's `method`."""
-    key = store.key(scene.hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
+    key = key_of(scene, accuracy, method)
     if (found := kept.arrays(key)) is not None:
         return Limits(**{name: found[name] for name in Limits.__annotations__})
     made = _measured(scene, accuracy, method)

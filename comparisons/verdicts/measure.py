@@ -39,9 +39,8 @@ def answer(arguments: dict) -> dict:
         away = error[conditioning.smooth(scene, a)]
         found["smooth color p99"] = float(np.quantile(away, 0.99)) if away.size else None
     kept = Store(Path(arguments["results"]), conditioning.FOLDER)
-    if accuracies := [conditioning.Accuracy(**{name: tuple(v) if isinstance(v, list) else v for name, v in accuracy.items()})
-                      for accuracy in arguments["accuracies"]]:
-        held = [conditioning.limits(scene, accuracy, kept) for accuracy in accuracies]
+    if accuracies := arguments["accuracies"]:
+        held = [conditioning.limits(scene, conditioning.accuracy_from(accuracy), kept) for accuracy in accuracies]
         found |= conditioning.apart(a, b, sum(held[1:], held[0]), arguments["tells_depth"])
     if arguments["literal"]:
         found |= oracle.held(scene, a, b, kept)

@@ -11,7 +11,7 @@ from comparisons.verdicts import conditioning as module
 from comparisons.verdicts.conditioning import Accuracy, apart, limits
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.tracer.render import UNDECIDED, Renderer, render
-from reference_tracer.tracer.sensitivity import Displaced, _perturbed
+from reference_tracer.tracer.sensitivity import Displaced, Perturbations
 from reference_tracer.tracer.world import World
 
 SCENE = parse_scene(json.dumps({
@@ -85,7 +85,8 @@ def test_normals_within_their_errors_agree_and_others_differ(kept, truth):
 
 
 def test_normals_turn_at_random_by_no_more_than_asked_and_alike_for_one_seed():
-    pictures = [_perturbed(SCENE, "exact", 0.0, seed, Displaced((0.0, 0.0), (0.0, 0.0), (1e-2, 0.0)))[0] for seed in (0, 1, 1, 2)]
+    made = Perturbations(SCENE, "exact", Displaced((0.0, 0.0), (0.0, 0.0), (1e-2, 0.0)))
+    pictures = [made.picture(0.0, seed) for seed in (0, 1, 1, 2)]
     straight, one, again, other = (p.normal for p in pictures)
     met = pictures[0].index == BALL
     turn = 2 * np.arcsin(np.linalg.norm(one - straight, axis=-1)[met] / 2)
