@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from reference_tracer.scene.model import Camera, Scene
+from reference_tracer.scene.model import Scene
 
 from .results import Effect, Run
 from .runs import Request
@@ -26,9 +26,7 @@ class Alternative:
 
     def of(self, scene: Scene) -> Scene:
         """`scene`, otherwise."""
-        changed = scene.traced_with(**self.traced_with)
-        camera = Camera.model_validate({**scene.camera.model_dump(), **self.camera})
-        return changed.model_copy(update={"camera": camera})
+        return scene.traced_with(**self.traced_with).seen_by(**self.camera)
 
 
 def _share(m: dict) -> str:
@@ -97,5 +95,5 @@ def _compared(scenes: Sequence[Scene], runs: dict[str, Run]) -> list[tuple[Alter
 
 def _pairs(scenes: Sequence[Scene]) -> list[tuple[Alternative, Request, Request]]:
     by_name = {scene.name: scene for scene in scenes}
-    return [(a, Request(by_name[a.scene], a.method), Request(a.of(by_name[a.scene]), a.method))
-            for a in ALTERNATIVES if a.scene in by_name]
+    changed = lambda a: Request(a.of(by_name[a.scene]), a.method, changes=a.traced_with, camera=a.camera)
+    return [(a, Request(by_name[a.scene], a.method), changed(a)) for a in ALTERNATIVES if a.scene in by_name]

@@ -19,6 +19,7 @@ VERSION = 1
 FILE = "results.json"
 COMMAND = "raytruth compare"
 RUNS = "runs"
+OF_OBJECTS = ("errors", "tilts", "normal_errors")  # of a run: lists, a number for every object
 
 State = Literal["ok", "crashed", "timeout", "malformed", "refused", "missing"]
 BROKEN = ("crashed", "timeout", "malformed")  # faults; "refused" and "missing" are answers
@@ -66,6 +67,9 @@ class Run(Record):
     errors: list[float | None] = Field([], description="for every object how far its surface lies from where it should, at "
                                                         "most; None: not measurable; no list: every object is exact")
     tilts: list[float] = Field([], description="for every object how far its facets turn from the surface, in radians")
+    normal_errors: list[float | None] = Field([], description="for every object how far its normals turn from the surface's, "
+                                                               "in radians, at 99 % of the points looked at; None: not "
+                                                               "measurable; no list: every object's are exact")
     command: str = Field(description="the command that makes this picture again")
 
 

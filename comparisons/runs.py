@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import resource
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -18,21 +19,22 @@ from . import renderers
 from .execution import store
 from .execution.pool import Pool, Task, complete
 from .planes import problem, read_planes
-from .results import RUNS, Run, Timing
+from .results import OF_OBJECTS, RUNS, Run, Timing
 from .verdicts.metrics import Planes
 
 TIMINGS = ("build", "first", "warm")
-OF_OBJECTS = ("errors", "tilts")  # lists, a number for every object
 LARGEST_FILE = 1 << 30, 256  # bytes a renderer may write into one file, and as many more a pixel
 
 
 @dataclass(frozen=True)
 class Request:
-    """A run to be made."""
+    """A run to be made. `changes` of its tracing and of its `camera` are how `scene` differs from the one of that name."""
 
     scene: Scene
     renderer: str
     settings: dict = field(default_factory=dict)
+    changes: dict = field(default_factory=dict)
+    camera: dict = field(default_factory=dict)
 
     @cached_property
     def key(self) -> str:
@@ -47,9 +49,15 @@ class Request:
 
     @property
     def command(self) -> str:
-        camera, options = self.scene.camera, "".join(f" --set {k}={v}" for k, v in sorted(self.settings.items()))
+        camera, told = self.scene.camera, (("--set", self.settings), ("--tracing", self.changes), ("--camera", self.camera))
+        options = "".join(f" {option} {k}={_typed(v)}" for option, values in told for k, v in sorted(values.items()))
         return (f"raytruth render {self.scene.name} --with {self.renderer}{options} "
                 f"--size {camera.width}x{camera.height} -o {self.scene.name}.npz")
+
+
+def _typed(value) -> str:
+    """A value as a command line takes it."""
+    return json.dumps(value, separators=(",", ":")) if isinstance(value, (tuple, list)) else str(value)
 
 
 class RunStore(store.Store):
@@ -85,7 +93,7 @@ class RunStore(store.Store):
         try:
             return Run(**about, state=state, message=message, planes=self.relative(task.key) if state == "ok" else None,
                        timing=Timing(**{name: facts.get(name) for name in TIMINGS}),
-                       errors=facts.get("errors", []), tilts=facts.get("tilts", []),
+                       **{name: facts.get(name, []) for name in OF_OBJECTS},
                        facts={k: v for k, v in facts.items() if k not in (*TIMINGS, *OF_OBJECTS)})
         except ValidationError:
             return Run(**about, state="malformed", message="told facts that are no numbers or texts")

@@ -15,7 +15,7 @@ from skimage.morphology import dilation
 from reference_tracer.errors import InputError
 from reference_tracer.scene.model import Scene
 from reference_tracer.tracer.render import UNDECIDED, Picture
-from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, SAFETY, UNIT, perturbed
+from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, SAFETY, UNIT, Perturbations
 
 PROBES = 5
 AROUND = np.ones((3, 3), bool)
@@ -80,11 +80,12 @@ class Bounds:
 @lru_cache(maxsize=64)
 def bounds(scene: Scene, accuracy: Accuracy) -> Bounds:
     """The bounds on `scene` of a renderer of `accuracy` against the reference's exact method."""
-    truth, _ = perturbed(scene, "exact", 0.0, seed=0)
+    made = Perturbations(scene, "exact")
+    truth = made.picture(0.0, seed=0)
     response = {"color": np.zeros(truth.t.shape), "t": np.zeros(truth.t.shape), "normal": np.zeros(truth.t.shape)}
     objects = [truth.index]
     for seed in range(1, PROBES + 1):
-        probe, _ = perturbed(scene, "exact", accuracy.unit, seed=seed)
+        probe = made.picture(accuracy.unit, seed)
         same = (probe.index == truth.index) & (truth.index >= 0)
         objects.append(probe.index)
         with np.errstate(invalid="ignore"):

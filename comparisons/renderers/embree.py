@@ -34,6 +34,7 @@ def render(scene: Scene, *, resolution: int = 256) -> Picture:
         "measured_mesh_error": largest(solid.error for _, solid in solids), "precision": 32,
         "errors": [solid.error if solid else 0.0 for solid in converted.solids],
         "tilts": [solid.tilt if solid else 0.0 for solid in converted.solids],
+        "normal_errors": [solid.normal_error if solid else 0.0 for solid in converted.solids],
         "clipped": "; ".join(f"object {k}: {solid.clipped}" for k, solid in solids if solid.clipped),
         "rays": rays, "undecided pixels": int(np.sum(picture.status == UNDECIDED)),
         # nothing is compiled: the first is a warm one

@@ -54,6 +54,8 @@ def render(scene: Scene, *, shapes: str = "mesh", resolution: int = 256, error: 
         "native_shapes": sum(p.kind == "native" for p in converted.parts),
         "grids": sum(p.kind == "sdfgrid" for p in converted.parts),
         "errors": [part.error for part in converted.parts], "tilts": [part.tilt for part in converted.parts],
+        # where hits are moved onto f, so are their normals
+        "normal_errors": [0.0 if refined and part.kind == "mesh" else part.normal_error for part in converted.parts],
         "triangles": converted.triangles, "measured_mesh_error": largest(p.error for p in converted.parts),
         "clipped": "; ".join(f"object {i}: {p.clipped}" for i, p in enumerate(converted.parts) if p.clipped),
         "camera_difference": tracer.camera_difference(), "rays": rays, "build": converted.seconds,

@@ -1,16 +1,18 @@
 """How far a renderer's picture may be from the reference's, pixel by pixel.
 
-A pixel is held to what follows from the objects on its path: rounding to the renderer's precision, and the distance of its
-meshes or grids from the surfaces they stand for. Both are measured on the reference itself, by perturbation
-(reference_tracer/tracer/sensitivity.py), at the price of many pictures, and kept by content.
+A pixel is held to what follows from the objects on its path: rounding to the renderer's precision, and how far its meshes
+or grids, and the normals on them, are from the surfaces they stand for. Both are measured on the reference itself, by
+perturbation (reference_tracer/tracer/sensitivity.py), at the price of many pictures, and kept by content.
 """
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
+from pathlib import Path
 
 import numpy as np
 
+from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
 from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNIT, Displaced, perturbed, response
@@ -30,13 +32,16 @@ class Accuracy:
     precision: int
     errors: tuple[float, ...] = ()  # a number for every object; none: all are exact
     tilts: tuple[float, ...] = ()
+    normal_errors: tuple[float, ...] = ()
     color: float = 0.0  # absolute
     t: float = 0.0  # relative
     normal: float = 0.0
 
     @property
     def displaced(self) -> Displaced | None:
-        return Displaced(self.errors, self.tilts) if any(self.errors) else None
+        if not any((*self.errors, *self.normal_errors)):
+            return None
+        return Displaced(self.errors, self.tilts, self.normal_errors or (0.0,) * len(self.errors))
 
 
 @dataclass(frozen=True)
@@ -65,9 +70,25 @@ def _planes(limits: Limits) -> list[np.ndarray]:
     return [getattr(limits, field.name) for field in fields(limits)]
 
 
+def accuracy_from(told: dict) -> Accuracy:
+    """The accuracy that `asdict` told, by way of JSON."""
+    return Accuracy(**{name: tuple(value) if isinstance(value, list) else value for name, value in told.items()})
+
+
+def make(arguments: dict) -> dict:
+    """In a worker: measures limits, which are kept for all who ask for them."""
+    scene, kept = parse_scene(arguments["scene"].encode(), "scene"), Store(Path(arguments["results"]), FOLDER)
+    limits(scene, accuracy_from(arguments["accuracy"]), kept)
+    return {"state": "ok"}
+
+
+def key_of(scene: Scene, accuracy: Accuracy, method: str = "exact") -> str:
+    return store.key(scene.hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
+
+
 def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact") -> Limits:
     """The limits of a renderer of `accuracy` on `scene`, against the reference's `method`."""
-    key = store.key(scene.hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
+    key = key_of(scene, accuracy, method)
     if (found := kept.arrays(key)) is not None:
         return Limits(**{name: found[name] for name in Limits.__annotations__})
     made = _measured(scene, accuracy, method)

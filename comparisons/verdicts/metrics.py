@@ -52,13 +52,12 @@ def uniform_around(plane: np.ndarray) -> np.ndarray:
     return np.logical_and.reduce([neighbour == plane for neighbour in neighbours(plane)])
 
 
-def geometry(reference: Planes, test: Planes, inner: np.ndarray | None = None) -> dict[str, float | int | None]:
+def geometry(reference: Planes, test: Planes) -> dict[str, float | int | None]:
     """Hit/miss and object mismatches in pixels; depth errors relative to the depth, normals in degrees.
 
-    Depth and normals are compared on interior pixels where both sides hit the same object; `inner` are those of the
-    reference, if they are known.
+    Depth and normals are compared on interior pixels where both sides hit the same object.
     """
-    inner = interior(reference) if inner is None else inner
+    inner = reference["interior"] if "interior" in reference else interior(reference)
     hit_reference, hit_test = reference["index"] >= 0, test["index"] >= 0
     same = reference["index"] == test["index"]
     both = inner & same & hit_reference

@@ -15,7 +15,8 @@ from ..execution import store
 from ..execution.pool import Pool, Task, complete
 from ..execution.store import Store
 from ..results import Run, State
-from .tolerances import accuracy_of
+from . import conditioning
+from .tolerances import accuracy_of, measurable
 
 FOLDER = "measured"
 TRUTH = "exact"
@@ -43,7 +44,7 @@ class Pair:
     def accuracies(self) -> list[dict]:
         """What single pixels are held to: the accuracies of the two, one of two that share their geometry; none where
         nothing is measurable, or both are the truth's."""
-        if any(None in run.errors for run in (self.first, self.second)):
+        if not (measurable(self.first) and measurable(self.second)):
             return []
         found = [asdict(a) for run in (self.first, self.second) if (a := accuracy_of(run))]
         return list({repr(a): a for a in found}.values())
@@ -74,13 +75,30 @@ class Measurements:
 
     def make(self, pairs: Iterable[Pair]) -> None:
         """Measures all pairs; one that cannot be measured has a state that says so."""
+        pairs = list(pairs)
         tasks = [Task(pair.key, f"{pair.first.renderer} and {pair.second.renderer}: {pair.scene.name}",
                       "comparisons.verdicts.measure:answer", {
             "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results), "smooth": pair.smooth,
             "accuracies": pair.accuracies, "tells_depth": pair.tells_depth, "literal": pair.literal,
             "planes": [str(self.results / run.planes) for run in (pair.first, pair.second)]},
             self.limit, "measure") for pair in pairs]
+        self._make_limits([pair for pair, task in zip(pairs, tasks)
+                           if self.store.find(task.key, Measured.model_validate_json) is None])
         self._found |= complete(tasks, self.store, self.pool, Measured.model_validate_json, _settled)
+
+    def _make_limits(self, pairs: Iterable[Pair]) -> None:
+        """Measures what `pairs` will be held to, each once: two pairs that are measured at once do not wait for each other.
+        What fails here fails again, and is told, where a pair asks for it."""
+        kept, tasks = Store(self.results, conditioning.FOLDER), {}
+        for pair in pairs:
+            for accuracy in pair.accuracies:
+                key = conditioning.key_of(pair.scene, conditioning.accuracy_from(accuracy))
+                if key not in tasks and kept.find(key, str) is None:
+                    tasks[key] = Task(key, f"limits: {pair.scene.name}", "comparisons.verdicts.conditioning:make", {
+                        "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results),
+                        "accuracy": accuracy}, self.limit, "measure")
+        for _ in self.pool.run(tasks.values()):
+            pass
 
     def of(self, pair: Pair) -> Measured:
         """What was measured of a pair, now if it was not asked for before."""

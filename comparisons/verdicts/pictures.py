@@ -15,9 +15,10 @@ from reference_tracer.tracer.film import PLANES
 from reference_tracer.tracer.render import Picture
 
 from ..execution.store import Store
-from ..results import Gate, Run, Verdict
+from ..results import OF_OBJECTS, Gate, Run, Verdict
 from . import conditioning, metrics, oracle
 from .judge import judge, literal
+from .measure import measured
 from .tolerances import accuracy_of, between, tolerance_of, unmeasured
 
 
@@ -50,7 +51,7 @@ def compare(reference: Picture, test: Picture, results: str | Path | None = None
         raise InputError(f"{scene.name} and {test.scene.name} differ in more than names; compare two pictures of one scene")
     truth, other = _run(reference), _run(test)
     error = metrics.pixel_error(first["color"], second["color"])
-    found = {**metrics.geometry(first, second), **metrics.picture(first, second)}
+    found = measured(first, second)
     with nullcontext(results) if results else tempfile.TemporaryDirectory(prefix="raytruth-") as folder:
         kept = Store(Path(folder), conditioning.FOLDER)
         if (truth.settings.get("method"), other.settings.get("method")) == ("exact", "paper"):
@@ -72,10 +73,10 @@ def verdict_on(scene: Scene, name: str, picture: Picture, test: Picture, kept: S
     truth, and what they may be apart is what that renderer may be from the reference."""
     run, facts = _run(picture, name), picture.metadata
     a, b = ({**vars(p), "camera": np.array(scene.camera.position)} for p in (test, picture))
-    measured = {**metrics.geometry(a, b), **metrics.picture(a, b)}
+    found = measured(a, b)
     if accuracy := accuracy_of(run.model_copy(update={"settings": {}})):
-        measured |= conditioning.apart(a, b, conditioning.limits(scene, accuracy, kept), facts.get("tells_depth", True))
-    return judge(measured, tolerance_of(run), tolerance_of(run, exact=True))
+        found |= conditioning.apart(a, b, conditioning.limits(scene, accuracy, kept), facts.get("tells_depth", True))
+    return judge(found, tolerance_of(run), tolerance_of(run, exact=True))
 
 
 def _run(picture: Picture, name: str | None = None) -> Run:
@@ -85,7 +86,7 @@ def _run(picture: Picture, name: str | None = None) -> Run:
     double = ours and facts.get("precision") == 64
     name = name or facts.get("renderer") or ("paper" if ours == "paper" else "exact" if double else "unknown")
     return Run(key="", scene=picture.scene.name, renderer=name, title=name, state="ok", command="",
-               settings={"method": ours} if ours else {}, errors=facts.get("errors", []), tilts=facts.get("tilts", []),
+               settings={"method": ours} if ours else {}, **{name: facts.get(name, []) for name in OF_OBJECTS},
                facts={k: v for k, v in facts.items() if isinstance(v, (bool, int, float, str))})
 
 

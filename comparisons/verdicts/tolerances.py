@@ -77,7 +77,7 @@ def tolerance_of(run: Run, exact: bool = False) -> Tolerance:
 
 def accuracy_of(run: Run) -> Accuracy | None:
     """What single pixels of a run are held to; None where its errors are not measurable, and of the reference, the truth."""
-    if (run.settings.get("method") and run.facts.get("precision", 64) == 64) or None in run.errors:
+    if (run.settings.get("method") and run.facts.get("precision", 64) == 64) or not measurable(run):
         return None
     exact = {}
     if tolerance_of(run) is ORACLE:
@@ -85,7 +85,8 @@ def accuracy_of(run: Run) -> Accuracy | None:
         # colours are in units of the brightest possible one: 16 bits tell no more of it
         exact = {"color": (NUMERICAL if numerical else ANALYTICAL) * max(1.0, run.facts.get("brightest") or 1.0),
                  "t": ORACLE.depth_p99, "normal": NUMERICAL_NORMALS if numerical else STEPS_OF_NORMALS}
-    return Accuracy(int(run.facts.get("precision") or 32), tuple(run.errors), tuple(run.tilts), **exact)
+    return Accuracy(int(run.facts.get("precision") or 32), tuple(run.errors), tuple(run.tilts), tuple(run.normal_errors),
+                    **exact)
 
 
 def between(first: Run, second: Run, exact: bool = False) -> Tolerance:
@@ -107,11 +108,14 @@ def _mesh(run: Run):
     return run.facts.get("triangles"), run.settings.get("resolution"), run.facts.get("native_shapes", 0)
 
 
+def measurable(run: Run) -> bool:
+    """Whether it is known how far the surfaces of a run, and their normals, are off."""
+    return None not in (*run.errors, *run.normal_errors, run.facts.get("measured_mesh_error", 0))
+
+
 def unmeasured(run: Run) -> str:
     """Why a picture that keeps every limit proves nothing; "" where it does."""
-    if None in run.errors or run.facts.get("measured_mesh_error", 0) is None:
-        return "every limit holds, but how far its meshes are from the surfaces is not measurable"
-    return ""
+    return "" if measurable(run) else "every limit holds, but how far its meshes are from the surfaces is not measurable"
 
 
 def table() -> Iterator[Limit]:

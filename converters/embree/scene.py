@@ -29,7 +29,8 @@ class Solid:
             from trimesh.ray.ray_pyembree import RayMeshIntersector
         except ImportError:
             raise MissingError("embreex is not installed; 'pip install embreex' brings it") from None
-        self.error, self.clipped, self.tilt, self.normals = mesh.error, mesh.clipped, mesh.tilt, mesh.normals
+        self.error, self.clipped, self.tilt, self.normal_error = mesh.error, mesh.clipped, mesh.tilt, mesh.normal_error
+        self.normals = mesh.normals
         self.mesh = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False, validate=False)
         corners = np.asarray(self.mesh.triangles)
         facets = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

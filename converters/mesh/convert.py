@@ -11,7 +11,7 @@ from reference_tracer.scene.model import Object, Scene
 from reference_tracer.scene.placement import reach_in_frame
 from reference_tracer.surfaces import Paraboloid, Plane
 
-from .error import kept, of_triangles, worst
+from .error import kept, of_normals, of_triangles, worst
 from .marching import march
 from .mesh import Mesh
 from .occupied import tight_box
@@ -37,8 +37,9 @@ def mesh_object(obj: Object, scene: Scene, resolution: int = 256) -> Mesh:
     placed = Placed(obj)
     vertices, faces, clipped = _triangles(placed, scene, resolution)
     normals = normals_at(placed, vertices, faces)
-    errors = of_triangles(placed, vertices, worst(vertices, faces, normals, MEASURED))
-    return _placed_mesh(placed, vertices, faces, normals, resolution, errors, clipped)
+    looked_at = worst(vertices, faces, normals, MEASURED)
+    errors = of_triangles(placed, vertices, looked_at)
+    return _placed_mesh(placed, vertices, faces, normals, resolution, looked_at, errors, clipped)
 
 
 def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -> Mesh:
@@ -58,7 +59,7 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
     for _ in range(MOST_ROUNDS):
         vertices, faces, clipped = _triangles(placed, scene, resolution)
         errors = of_triangles(placed, vertices, faces)
-        found = kept(errors, share, len(faces))
+        found = kept(errors, share, 5 * len(faces))
         if math.isinf(found):
             raise InputError(f"the error of a mesh of {obj.name or obj.surface.type} cannot be measured: around "
                              f"{np.isinf(errors).mean():.2%} of its points f shows no change of sign; give a resolution, or "
@@ -67,7 +68,8 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
             order = min(2.5, max(0.5, math.log(before[1] / found) / math.log(resolution / before[0])))
         wanted = max(COARSEST, math.ceil(SPARE * resolution * (found / error) ** (1 / order)))
         if (found <= error and wanted >= 0.9 * resolution) or found <= EXACT * error:
-            return _placed_mesh(placed, vertices, faces, normals_at(placed, vertices, faces), resolution, errors, clipped)
+            normals = normals_at(placed, vertices, faces)
+            return _placed_mesh(placed, vertices, faces, normals, resolution, faces, errors, clipped)
         before = resolution, found
         resolution = max(wanted, resolution + 1) if found > error else wanted
     raise InputError(f"a mesh of {obj.name or obj.surface.type} reaches an error of {found:.1g} at {before[0]} cells, "
@@ -103,7 +105,9 @@ def _marched(placed: Placed, box, resolution: int):
     return project(placed, vertices, cell), faces
 
 
-def _placed_mesh(placed: Placed, vertices, faces, normals, resolution: int, errors, clipped: str) -> Mesh:
-    found = float(placed.distance(vertices).max(initial=0.0)), float(errors.max()), kept(errors, 0.99, len(faces))
+def _placed_mesh(placed: Placed, vertices, faces, normals, resolution: int, looked_at, errors, clipped: str) -> Mesh:
+    turns = of_normals(placed, vertices, normals, looked_at)
+    found = (float(placed.distance(vertices).max(initial=0.0)), float(errors.max()), kept(errors, 0.99, 5 * len(faces)),
+             kept(turns, 0.99, 4 * len(faces)))
     return Mesh(placed.to_world(vertices), faces, placed.turned(normals), resolution,
                 *(e if math.isfinite(e) else None for e in found), placed.box is not None, clipped)

@@ -3,7 +3,7 @@
 At a point the distance is bounded by a bracket: where outward rounded intervals give f opposite signs at p - r n and
 p + r n, and f is defined in between, the surface passes within r of p (intermediate value theorem). Points looked at are
 the centroids of the triangles and the middles of their edges; between them the distance is that of the parabola through
-them, to the third order in the size of a triangle.
+them, to the third order in the size of a triangle. At the same points interpolated normals are held against grad f.
 """
 
 from __future__ import annotations
@@ -106,9 +106,27 @@ def of_triangles(placed: Placed, vertices, faces) -> np.ndarray:
     return np.concatenate([looked_at.ravel(), _between(*looked_at[:3])])
 
 
-def kept(errors: np.ndarray, share: float, triangles: int) -> float:
-    """The distance that `share` of the points of all triangles keep; `errors` are those of the worst of them."""
-    beyond = int((1 - share) * 5 * triangles)
+def of_normals(placed: Placed, vertices, normals, faces) -> np.ndarray:
+    """The angles (4 k,), in radians, between grad f and the `normals` interpolated at the triangles' centroids and the
+    middles of their edges; infinite ones are not measurable. [0] without faces.
+
+    All in the surface's own frame. grad f off the surface is that of the surface nearby to second order.
+    """
+    if not len(faces):
+        return np.zeros(1)
+    between = lambda corners: np.concatenate([corners[1] + corners[2], corners[2] + corners[0], corners[0] + corners[1],
+                                              2 / 3 * corners.sum(axis=0)]) / 2
+    _, gradients = placed.gradient(between(vertices[faces.T]))
+    interpolated = between(normals[faces.T])
+    with np.errstate(all="ignore"):
+        chord = np.linalg.norm(interpolated / np.linalg.norm(interpolated, axis=1, keepdims=True)
+                               - gradients / np.linalg.norm(gradients, axis=1, keepdims=True), axis=1)
+    return np.where(np.isfinite(chord), 2 * np.arcsin(np.minimum(chord / 2, 1)), np.inf)
+
+
+def kept(errors: np.ndarray, share: float, points: int) -> float:
+    """The error that `share` of all `points` keep; `errors` are those of the worst triangles' points."""
+    beyond = int((1 - share) * points)
     return float(np.partition(errors, -1 - beyond)[-1 - beyond]) if beyond < len(errors) else float(errors.min())
 
 

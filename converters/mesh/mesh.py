@@ -22,6 +22,8 @@ class Mesh:
     residual: float | None  # largest distance of a vertex from the surface, to first order; None: not measurable
     error: float | None  # an upper bound of the triangles' distance from the surface, see error.py; None: not measurable
     error_p99: float | None  # what 99 % of the points looked at keep: an edge or a tip of the surface does not touch it
+    normal_error: float | None  # the angle between interpolated normals and grad f, in radians, that 99 % of the points looked
+    # at keep; None: not measurable
     closed: bool  # whether the surface is bounded, so that the mesh must be watertight
     clipped: str  # what was cut off or may have been, in one sentence; empty for a surface that is proven to be bounded
 

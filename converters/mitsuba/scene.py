@@ -31,6 +31,7 @@ class Part:
     # found), before Mitsuba rounds it to fp32; None: not measurable
     clipped: str  # what was cut off, see Mesh
     tilt: float = 0.0  # of facets against the surface, see Mesh
+    normal_error: float | None = 0.0  # of interpolated normals, in radians, see Mesh
 
 
 @dataclass(frozen=True)
@@ -67,15 +68,16 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
         gridded = shapes == "sdfgrid" and placed.region is not None
         exact = native(obj, scene) if shapes != "mesh" and not gridded else None
         if gridded:
-            shape, distance = grid(placed, resolution)
-            part = Part("sdfgrid", 0, distance, placed.unproven)
+            shape, distance, turn = grid(placed, resolution)
+            part = Part("sdfgrid", 0, distance, placed.unproven, normal_error=turn)
         elif exact:
             shape, part = exact[0], Part("native", 0, 0.0, exact[1])
         else:
             mesh = (mesh_object(obj, scene, resolution) if error is None
                     else mesh_to_error(obj, scene, error, share))
             shape = meshed(mesh, f"object-{index}") if mesh.triangles else None
-            part = Part("mesh" if shape else "nothing", mesh.triangles, mesh.error, mesh.clipped, mesh.tilt)
+            part = Part("mesh" if shape else "nothing", mesh.triangles, mesh.error, mesh.clipped, mesh.tilt,
+                        mesh.normal_error)
         if shape:
             made[index] = shape
         parts.append(part)

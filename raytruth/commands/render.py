@@ -38,6 +38,10 @@ def add_arguments(parser):
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
     parser.add_argument("--samples", type=whole(-1), metavar="N", help="N x N samples a pixel instead of the scene's")
     parser.add_argument("--step-size", type=float, metavar="H", help="step size instead of the scene's")
+    parser.add_argument("--tracing", action="append", default=[], metavar="KEY=VALUE",
+                        help="any other parameter of the scene's \"tracing\", e.g. max_depth=1")
+    parser.add_argument("--camera", action="append", default=[], metavar="KEY=VALUE",
+                        help="of the scene's camera, e.g. fov=50 or v_x=[1,0,0]")
     parser.add_argument("--precision", type=int, choices=(64, 32), help="bits of the floats (default: the scene's, 64)")
     parser.add_argument("--device", choices=("llvm", "cuda"), help="processor (llvm, default) or graphics card (cuda)")
     parser.add_argument("--threads", type=whole(-1), metavar="N", help="threads to use (default: all cores)")
@@ -86,7 +90,11 @@ def _adjusted(scene, arguments):
             scene = scene.resized(*arguments.size)
         changes = {"samples": arguments.samples, "step_size": arguments.step_size}
         changes = {name: value for name, value in changes.items() if value is not None}
-        return scene.traced_with(**changes) if changes else scene
+        told = _by_key("--tracing", arguments.tracing, "max_depth=1")
+        changes |= {name: _json_or_text(value) for name, value in told.items()}
+        scene = scene.traced_with(**changes) if changes else scene
+        placed = _by_key("--camera", arguments.camera, "v_x=[1,0,0]")
+        return scene.seen_by(**{name: _json_or_text(value) for name, value in placed.items()}) if placed else scene
     except ValidationError as error:
         raise InputError(f"command line: {one_line(error)}") from None
 
@@ -123,20 +131,35 @@ def _may_be_long(scene) -> bool:
     return most_rays(scene) > MUCH or most_rays(scene) * steps > 64 * MUCH or paper
 
 
+def _by_key(option: str, items: list[str], example: str) -> dict[str, str]:
+    """What an option KEY=VALUE that may be repeated sets."""
+    from reference_tracer.errors import InputError
+
+    found = {}
+    for item in items:
+        key, equals, value = item.partition("=")
+        if not equals:
+            raise InputError(f"{option} {item}: must be KEY=VALUE, e.g. {example}")
+        if key in found:
+            raise InputError(f"{option} {item}: sets {key} a second time; keep one of them")
+        found[key] = value
+    return found
+
+
+def _json_or_text(text: str):
+    try:
+        value = json.loads(text)
+    except (ValueError, RecursionError):
+        return text
+    return tuple(value) if isinstance(value, list) else value
+
+
 def _with_other_renderer(scene, arguments):
     from comparisons import renderers
     from comparisons.progress import Progress
-    from reference_tracer.errors import InputError
 
-    settings = {}
-    for item in arguments.settings:
-        key, equals, value = item.partition("=")
-        if not equals:
-            raise InputError(f"--set {item}: must be KEY=VALUE, e.g. resolution=128")
-        if key in settings:
-            raise InputError(f"--set {item}: sets {key} a second time; keep one of them")
-        settings[key] = value
-    settings, near = renderers.parsed(arguments.renderer, settings), renderers.nearest(scene, arguments.renderer)
+    settings = renderers.parsed(arguments.renderer, _by_key("--set", arguments.settings, "resolution=128"))
+    near = renderers.nearest(scene, arguments.renderer)
     if near.words:  # so that no other scene's picture passes for this one's
         print(f"raytruth: {scene.name}: rendered with {near.words}", file=sys.stderr)
     with Progress(1.0, label=f"{scene.name} with {arguments.renderer}"):

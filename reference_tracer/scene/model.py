@@ -228,8 +228,13 @@ class Scene(Part):
     def resized(self, width: int, height: int, samples: int | None = None) -> Scene:
         """The same scene at another picture size and, if given, another number of samples per axis."""
         tracing = self.tracing if samples is None else self.tracing.model_copy(update={"samples": samples})
-        camera = Camera.model_validate({**self.camera.model_dump(), "width": width, "height": height})
-        return self.model_copy(update={"camera": camera, "tracing": Tracing.model_validate(tracing.model_dump())})
+        tracing = Tracing.model_validate(tracing.model_dump())
+        return self.seen_by(width=width, height=height).model_copy(update={"tracing": tracing})
+
+    def seen_by(self, **changes) -> Scene:
+        """The same scene from a camera that differs in `changes`."""
+        camera = Camera.model_validate({**self.camera.model_dump(), **changes})
+        return self.model_copy(update={"camera": camera})
 
     def traced_with(self, **changes) -> Scene:
         """The same scene with other tracing parameters."""

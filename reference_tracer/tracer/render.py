@@ -19,12 +19,17 @@ from .film import PLANES, PlaneBuffer
 from .film import UNDECIDED as UNDECIDED
 from .rays import Ray
 from .shading import Interaction
-from .wavefront import MOST_RAYS, Advance, Primary, Wave, Wavefront
+from .wavefront import MOST_RAYS, Advance, Primary, Recorder, Wave, Wavefront
 from .world import World
 
 
 class Watch:
-    """Looks into a render: what it does by default is nothing. Slots of a wave count from the band's first pixel."""
+    """Looks into a render: what it does by default is nothing. Slots of a wave count from the band's first pixel.
+
+    One that is a `recorder` besides is asked by that (wavefront.Recorder), and not wave by wave.
+    """
+
+    recorder: Recorder | None = None
 
     def begin(self, world: World, first: int, count: int) -> None:
         """A band of pixels [first, first + count) in row order begins."""
@@ -99,7 +104,14 @@ class Renderer:
         self.world = world(scene, method, backend(self.precision, device))
         self.threads = use_threads(threads)
         self.wavefront = Wavefront(self.world)
+        self._watched: dict[int, Wavefront] = {}  # of recorders
         self._first_hits = dr.freeze(self._first_hit, warn_after=1 << 30)
+
+    def show(self, scene: Scene, world: type[World] = World) -> None:
+        """Goes on with a `scene` that differs from the one before in places alone: what is recorded is replayed with them."""
+        self.scene, self.world = scene, world(scene, self.method, backend(self.precision, self.device))
+        for wavefront in (self.wavefront, *self._watched.values()):
+            wavefront.world = self.world
 
     def picture(self, planes: Sequence[str] = PLANES, progress: Callable[[float], None] | None = None,
                 watch: Watch | None = None, band: int | None = None) -> Picture:
@@ -108,7 +120,7 @@ class Renderer:
         camera, tracing = self.scene.camera, self.scene.tracing
         adaptive = tracing.samples > 1 and tracing.adaptive > 0
         film = PlaneBuffer((*planes, "color", "index") if adaptive else planes, camera.height, camera.width)
-        wavefront = Wavefront(self.world, watch.observe, watch.disturb) if watch else self.wavefront
+        wavefront = self._wavefront(watch)
         before, centres = wavefront.rays, 0
         first = 0.5 if adaptive else 1.0  # the share of the first pass over the pixels
         for pixels in self.bands(1 if adaptive else tracing.samples, band):
@@ -128,6 +140,13 @@ class Renderer:
             "precision": self.precision, "device": self.device, "threads": self.threads,
             "rays": wavefront.rays - before + centres, "seconds": time.perf_counter() - start, "drjit": dr.__version__}
         return picture
+
+    def _wavefront(self, watch: Watch | None) -> Wavefront:
+        if watch is None:
+            return self.wavefront
+        if watch.recorder is None:
+            return Wavefront(self.world, watch.observe, watch.disturb)
+        return self._watched.setdefault(id(watch.recorder), Wavefront(self.world, recorder=watch.recorder))
 
     def bands(self, samples: int, rays: int | None = None) -> Iterator[range]:
         """Pixels in row order, as many at a time as `rays` leave room for; whole rows if a row fits."""

@@ -3,22 +3,25 @@
 Two faultless renderers round differently. Where a pixel's colour depends smoothly on its rays, the difference stays
 near the size of rounding; at a silhouette, a shadow's edge, the critical angle of refraction or (for the literal
 method) a step's boundary, rounding decides and the colour may jump. Neither is a method's fault. The map is measured:
-every ray of every generation is moved by a few units of rounding, at random, several times over.
+every ray of every generation is moved by a few units of rounding, at random, several times over; where a renderer's
+surfaces are displaced, or their normals off, so are the reference's.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import drjit as dr
 import numpy as np
 
 from ..scene.model import Scene
 from .rays import Ray
-from .render import Picture, Watch, render
+from .render import Picture, Renderer, Watch
 from .shading import Interaction
 from .wavefront import Wave
+from .world import World
 
 UNIT = {64: 2.0**-53, 32: 2.0**-24}  # of rounding
 ORIGIN_UNITS, DIRECTION_UNITS = 8.0, 4.0  # what a few dozen rounded operations leave in a hit point and a direction
@@ -26,76 +29,7 @@ PROBES = 12  # a jump that rounding decides by halves escapes n probes with prob
 SAFETY = 3.0  # all n uniform samples stay below 1 / SAFETY of their largest possible value with probability SAFETY^-n, 2e-6
 FLOOR_UNITS = 64.0  # rounding of the shading itself, relative to 1 + colour
 
-OBJECT, LIGHT, TOTAL_REFLECTION = 1, 2, 4  # discrete risks: bits of the risk plane
-
-
-class Perturbation(Watch):
-    """Moves every ray by random multiples of rounding, and notes what each pixel's rays meet."""
-
-    def __init__(self, unit: float, seed: int, pixels: int, displaced: Displaced | None = None):
-        self.unit, self.seed, self.wave_number = unit, seed, 0
-        self.signatures = {risk: np.zeros(pixels, np.uint32) for risk in (OBJECT, LIGHT, TOTAL_REFLECTION)}
-        self.displaced, self.touched, self.grazing = displaced, np.zeros(pixels, bool), np.zeros(pixels)
-
-    def begin(self, world, first, count):
-        self.world, self.where, self.count = world, slice(first, first + count), count
-        self.sums = {risk: dr.zeros(world.arrays.UInt, max(count, 2)) for risk in self.signatures}
-        self.met, self.unsure = dr.zeros(world.arrays.UInt, max(count, 2)), dr.zeros(world.arrays.Float, max(count, 2))
-        dr.make_opaque(list(self.sums.values()), self.met, self.unsure)
-        if self.displaced:
-            self.moves = world.arrays.UInt([int(error > 0) for error in self.displaced.errors] + [0])
-            self.tilts = world.arrays.Float([*map(float, self.displaced.tilts), 0.0])
-            dr.make_opaque(self.moves, self.tilts)
-
-    def disturb(self, wave: Wave) -> Ray:
-        arrays = self.world.arrays
-        self.wave_number += 1
-        if not self.unit:
-            return wave.ray
-        random = arrays.PCG32(len(wave), initstate=arrays.Bits(dr.opaque(arrays.Bits, 1000003 * self.seed + self.wave_number)))
-        noise = lambda units: arrays.Vector(*(
-            (2 * arrays.Float(random.next_float64()) - 1) * arrays.constant(units * self.unit) for _ in range(3)))
-        o, d = wave.ray.o, wave.ray.d
-        o = o + noise(ORIGIN_UNITS) * dr.maximum(1, dr.norm(o))
-        d = dr.normalize(d + noise(DIRECTION_UNITS))
-        dr.eval(o, d)
-        return replace(wave.ray, o=o, d=d)
-
-    def observe(self, wave: Wave, interaction: Interaction) -> None:
-        UInt = self.world.arrays.UInt
-        active = wave.weight > 0
-        # sums of hashes do not depend on the order in which a pixel's rays are traced
-        place = (interaction.hit.index + 1) * 0x9E3779B1 ^ self.world.generation(wave.generation) * 0x85EBCA77
-        parts = {OBJECT: place * 0xC2B2AE3D, LIGHT: place * (interaction.lights_reached + 1)}
-        if interaction.refracted_weight is not None:
-            parts[TOTAL_REFLECTION] = dr.select(interaction.total_reflection, place, UInt(0))
-        for risk, value in parts.items():
-            dr.scatter_add(self.sums[risk], dr.select(active, value, 0), wave.slot, mode=dr.ReduceMode.Direct)
-        if self.displaced:
-            dr.scatter_reduce(dr.ReduceOp.Max, self.met, dr.gather(UInt, self.moves, interaction.hit.index), wave.slot, active,
-                              mode=dr.ReduceMode.Direct)
-            dr.scatter_add(self.unsure, self._grazing(wave, interaction), wave.slot, active, mode=dr.ReduceMode.Direct)
-        dr.eval(list(self.sums.values()), self.met, self.unsure)
-
-    def _grazing(self, wave: Wave, interaction: Interaction):
-        """How much of a pixel's colour (its brightest channel) comes from lights lower above the surface than its facets are
-        tilted: a facet beside the one that is hit may stand in their way."""
-        world, hit = self.world, interaction.hit
-        met = hit.index < world.object_count
-        tilt, material = dr.gather(world.arrays.Float, self.tilts, hit.index), world.material(hit.index, met)
-        R, T = material.reflection if world.reflective else 0.0, material.transparency if world.transparent else 0.0
-        total = world.arrays.Float(0)
-        for light in world.scene.lights:
-            cos = dr.dot(dr.normalize(world.arrays.Vector(*light.position) - interaction.point), interaction.normal)
-            low = met & (cos > 0) & (cos <= tilt)
-            total += dr.select(low, cos * dr.max(material.color * world.arrays.Vector(*light.brightness)), 0)
-        return total * (1.0 - R) * (1.0 - T) * wave.weight
-
-    def end(self):
-        self.touched[self.where] = self.met.numpy()[:self.count] > 0
-        self.grazing[self.where] = self.unsure.numpy()[:self.count]
-        for risk, total in self.sums.items():
-            self.signatures[risk][self.where] = total.numpy()[:self.count]
+RISKS = OBJECT, LIGHT, TOTAL_REFLECTION = 1, 2, 4  # discrete risks: bits of the risk plane
 
 
 @dataclass(frozen=True)
@@ -104,6 +38,136 @@ class Displaced:
 
     errors: tuple[float, ...]  # how far they lie from where they should
     tilts: tuple[float, ...]  # how far their facets turn from them, in radians
+    normal_errors: tuple[float, ...]  # how far the normals on them turn from theirs, in radians
+
+
+class Perturbed(World):
+    """A world whose rays are moved by random multiples of a `unit` of rounding, and whose normals are turned by up to their
+    `angles`, at random, anew for every ray. It knows which objects are `displaced`, and how far their facets are tilted."""
+
+    NORMALS = 1 << 62  # the random numbers that turn normals are another sequence than those that move rays
+
+    def __init__(self, *of_world, displaced: Displaced | None, unit: float, turned: bool):
+        super().__init__(*of_world)
+        arrays, nothing = self.arrays, (0.0,) * self.object_count
+        errors, tilts, angles = (displaced.errors, displaced.tilts, displaced.normal_errors) if displaced else [nothing] * 3
+        self.unit, self.stream = arrays.constant(unit), dr.opaque(arrays.Bits, 0)
+        self.tilts, self.angles = self._column((*tilts, 0.0)), self._column((*(angles if turned else nothing), 0.0))
+        self.displaced = arrays.UInt([*(int(error > 0 or angle > 0) for error, angle in zip(errors, angles)), 0])
+        dr.make_opaque(self.displaced)
+
+    @property
+    def variables(self) -> list:
+        return [*super().variables, self.unit, self.stream, self.tilts, self.angles, self.displaced]
+
+    def moved(self, wave: Wave) -> Ray:
+        arrays, o, d = self.arrays, wave.ray.o, wave.ray.d
+        random = arrays.PCG32(len(wave), initstate=self.stream)
+        noise = lambda units: arrays.Vector(*(
+            (2 * arrays.Float(random.next_float64()) - 1) * (units * self.unit) for _ in range(3)))
+        still = self.unit == 0
+        o = o + noise(ORIGIN_UNITS) * dr.maximum(1, dr.norm(o))
+        return replace(wave.ray, o=o, d=dr.select(still, d, dr.normalize(d + noise(DIRECTION_UNITS))))
+
+    def normal(self, point, index, active):
+        normal, arrays = super().normal(point, index, active), self.arrays
+        random = arrays.PCG32(dr.width(index), initstate=self.stream, initseq=arrays.Bits(self.NORMALS))
+        number = lambda: arrays.Float(random.next_float64())
+        across = dr.cross(normal, arrays.Vector(*(2 * number() - 1 for _ in range(3))))
+        # evenly over a disc around the tip of the normal: all of 12 stay below 1 / SAFETY of the largest possible answer with
+        # probability 3e-5, the 12th power of the share of a disc that lies within a third of its radius from a diameter
+        angle = dr.gather(arrays.Float, self.angles, index, active) * dr.sqrt(number())
+        turned = normal + across * (angle / dr.norm(across))
+        return dr.select(angle > 0, turned / dr.norm(turned), normal)
+
+    def grazing(self, interaction: Interaction):
+        """How much of its colour (its brightest channel) a point has from lights lower above the surface than its facets are
+        tilted: a facet beside the one that is hit may stand in their way."""
+        hit = interaction.hit
+        met = hit.index < self.object_count
+        tilt, material = dr.gather(self.arrays.Float, self.tilts, hit.index), self.material(hit.index, met)
+        R, T = material.reflection if self.reflective else 0.0, material.transparency if self.transparent else 0.0
+        total, position, brightness = self.arrays.Float(0), *self._light_columns
+        for j in range(len(self.scene.lights)):
+            at = lambda columns: self.arrays.Vector(*(dr.gather(self.arrays.Float, c, self.arrays.UInt(j)) for c in columns))
+            cos = dr.dot(dr.normalize(at(position) - interaction.point), interaction.normal)
+            low = met & (cos > 0) & (cos <= tilt)
+            total += dr.select(low, cos * dr.max(material.color * at(brightness)), 0)
+        return total * (1.0 - R) * (1.0 - T)
+
+
+@dataclass
+class Marks:
+    """What the rays of a band's pixels have met, an entry a slot."""
+
+    sums: list  # UInt, of hashes of each risk's history: they do not depend on the order in which rays are traced
+    met: object  # UInt, whether any ray met an object that is displaced
+    unsure: object  # Float, of its colour, see `Perturbed.grazing`
+
+
+class Marker:
+    """Moves the rays of waves and marks what they meet (wavefront.Recorder)."""
+
+    def __init__(self):
+        self.marks, self.seed, self.wave_number = None, 0, 0
+
+    def begin_wave(self, world: Perturbed) -> None:
+        self.wave_number += 1
+        world.stream = dr.opaque(world.arrays.Bits, 1000003 * self.seed + self.wave_number)
+
+    def disturb(self, world: Perturbed, wave: Wave) -> Ray:
+        return world.moved(wave)
+
+    def observe(self, world: Perturbed, wave: Wave, generation, interaction: Interaction) -> None:
+        UInt, active, index = world.arrays.UInt, wave.weight > 0, interaction.hit.index
+        place = (index + 1) * 0x9E3779B1 ^ generation * 0x85EBCA77
+        total = interaction.total_reflection
+        parts = {OBJECT: place * 0xC2B2AE3D, LIGHT: place * (interaction.lights_reached + 1),
+                 TOTAL_REFLECTION: UInt(0) if total is None else dr.select(total, place, 0)}
+        for k, risk in enumerate(RISKS):
+            dr.scatter_add(self.marks.sums[k], dr.select(active, parts[risk], 0), wave.slot, mode=dr.ReduceMode.Direct)
+        dr.scatter_reduce(dr.ReduceOp.Max, self.marks.met, dr.gather(UInt, world.displaced, index), wave.slot, active,
+                          mode=dr.ReduceMode.Direct)
+        dr.scatter_add(self.marks.unsure, world.grazing(interaction) * wave.weight, wave.slot, active,
+                       mode=dr.ReduceMode.Direct)
+
+
+class Perturbations(Watch):
+    """Pictures of `scene`, perturbed. All are replays of one recording: their worlds differ in numbers alone."""
+
+    def __init__(self, scene: Scene, method: str, displaced: Displaced | None = None):
+        self.scene, self.displaced, self.recorder = scene, displaced, Marker()
+        self._renderer = Renderer(scene, method, world=self._world(0.0, turned=False))
+
+    def _world(self, unit: float, turned: bool):
+        return partial(Perturbed, displaced=self.displaced, unit=unit, turned=turned)
+
+    def picture(self, unit: float, seed: int) -> Picture:
+        """Every ray moved by multiples of `unit`, surfaces displaced and normals turned; `seed` 0 leaves these as they are.
+
+        What it marks stays until the next: `signatures` of every pixel's history, flat, for each risk; `touched` and
+        `grazing`, (h, w), as in `Response`.
+        """
+        moved = self.displaced is not None and seed > 0
+        pixels, self.recorder.seed, self.recorder.wave_number = self.scene.camera.width * self.scene.camera.height, seed, 0
+        self.signatures = {risk: np.zeros(pixels, np.uint32) for risk in RISKS}
+        self._touched, self._grazing = np.zeros(pixels, bool), np.zeros(pixels)
+        self._renderer.show(_moved(self.scene, self.displaced.errors, seed) if moved else self.scene, self._world(unit, moved))
+        found = self._renderer.picture(watch=self)
+        self.touched, self.grazing = (plane.reshape(found.t.shape) for plane in (self._touched, self._grazing))
+        return found
+
+    def begin(self, world, first, count):
+        self._where, self._count, slots = slice(first, first + count), count, max(count, 2)
+        self.recorder.marks = Marks([dr.zeros(world.arrays.UInt, slots) for _ in RISKS], dr.zeros(world.arrays.UInt, slots),
+                                    dr.zeros(world.arrays.Float, slots))
+        dr.make_opaque(self.recorder.marks)
+
+    def end(self):
+        marks, of_band = self.recorder.marks, lambda array: array.numpy()[:self._count]
+        self._touched[self._where], self._grazing[self._where] = of_band(marks.met) > 0, of_band(marks.unsure)
+        for risk, total in zip(RISKS, marks.sums):
+            self.signatures[risk][self._where] = of_band(total)
 
 
 @dataclass
@@ -137,14 +201,15 @@ def response(scene: Scene, method: str = "exact", precision: int = 32, probes: i
 
 
 def _response(scene: Scene, method: str, precision: int, probes: int, displaced: Displaced | None, progress) -> Response:
-    truth, watch = _perturbed(scene, method, 0.0, 0, displaced)
-    shape, signatures = truth.t.shape, watch.signatures
+    made = Perturbations(scene, method, displaced)
+    truth = made.picture(0.0, seed=0)
+    shape, signatures = truth.t.shape, made.signatures
     found = Response(truth, *({name: np.zeros(shape) for name in ("color", "t", "normal")} for _ in range(2)),
-                     np.zeros(shape, np.uint8), _bit(truth.index), watch.touched.reshape(shape), watch.grazing.reshape(shape))
+                     np.zeros(shape, np.uint8), _bit(truth.index), made.touched, made.grazing)
     for k in range(probes):
-        probe, watch = _perturbed(scene, method, UNIT[precision], k + 1, displaced)
+        probe = made.picture(UNIT[precision], seed=k + 1)
         changed = np.zeros(shape, bool)
-        for kind, signature in watch.signatures.items():
+        for kind, signature in made.signatures.items():
             differs = (signature != signatures[kind]).reshape(shape)
             found.risk |= np.where(differs, kind, 0).astype(np.uint8)
             changed |= differs
@@ -156,8 +221,8 @@ def _response(scene: Scene, method: str, precision: int, probes: int, displaced:
                 found.jump[name] = np.fmax(found.jump[name], moved)
                 found.smooth[name] = np.fmax(found.smooth[name], np.where(changed, 0, moved))
         found.seen |= _bit(probe.index)
-        found.touched |= watch.touched.reshape(shape)
-        found.grazing = np.fmax(found.grazing, watch.grazing.reshape(shape))
+        found.touched |= made.touched
+        found.grazing = np.fmax(found.grazing, made.grazing)
         progress((k + 1) / probes)
     return found
 
@@ -196,15 +261,8 @@ def floor(precision: int, color: np.ndarray) -> np.ndarray:
 
 def perturbed(scene: Scene, method: str, unit: float, seed: int) -> tuple[Picture, dict[int, np.ndarray]]:
     """The picture with every ray moved by multiples of `unit`, and for each risk a signature of every pixel's history."""
-    picture, watch = _perturbed(scene, method, unit, seed, None)
-    return picture, watch.signatures
-
-
-def _perturbed(scene: Scene, method: str, unit: float, seed: int, displaced: Displaced | None) -> tuple[Picture, Perturbation]:
-    """The same with surfaces displaced; `seed` 0 leaves them in their places."""
-    camera = scene.camera
-    watch = Perturbation(unit, seed, camera.width * camera.height, displaced)
-    return render(_moved(scene, displaced.errors, seed) if displaced and seed else scene, method, watch=watch), watch
+    made = Perturbations(scene, method)
+    return made.picture(unit, seed), made.signatures
 
 
 def _moved(scene: Scene, errors: Sequence[float], seed: int) -> Scene:

@@ -190,16 +190,32 @@ class Advance:
     share: float  # of the whole tree of waves, as far as it can be told; rises to 1
 
 
+class Recorder(Protocol):
+    """Disturbs and observes within the recording. It reads nothing but the world, whose `variables` hold all that it needs,
+    and writes nothing but `marks`, a PyTree of arrays."""
+
+    marks: object
+
+    def begin_wave(self, world: World) -> None:
+        """Outside of the recording: a wave is about to be traced in `world`."""
+
+    def disturb(self, world: World, wave: Wave) -> Ray:
+        """The rays to trace in place of the wave's."""
+
+    def observe(self, world: World, wave: Wave, generation, interaction: Interaction) -> None:
+        """What became of a wave of `generation` (UInt)."""
+
+
 class Wavefront:
-    """Traces waves and all their descendants in one world.
+    """Traces waves and all their descendants in one world; another of the same kind may take its place between two calls.
 
     `observe` is called with every wave and what became of it, before its secondary rays are traced; `disturb` may
-    replace the rays of every wave before they are traced.
+    replace the rays of every wave before they are traced. A `recorder` does both without leaving the kernels.
     """
 
     def __init__(self, world: World, observe: Callable[[Wave, Interaction], None] | None = None,
-                 disturb: Callable[[Wave], Ray] | None = None):
-        self.world, self.observe, self.disturb = world, observe, disturb
+                 disturb: Callable[[Wave], Ray] | None = None, recorder: Recorder | None = None):
+        self.world, self.observe, self.disturb, self.recorder = world, observe, disturb, recorder
         self.rays, self._announced = 0, False
         self._recorded = dr.freeze(self._step, warn_after=1 << 30)
 
@@ -240,9 +256,13 @@ class Wavefront:
     def _traced(self, source: Source, film: Film, generation: int, primary: bool):
         last = generation == self.world.scene.tracing.max_depth
         inputs = source, film, self.world.generation(generation), last, primary
-        if not (self.observe or self.disturb):
-            return self._recorded(*inputs, self.world.variables)
-        return self._step(*inputs, wave=self._watched(source, generation))
+        if self.observe or self.disturb:
+            return self._step(*inputs, wave=self._watched(source, generation))[:3]
+        if self.recorder is None:
+            return self._recorded(*inputs, self.world.variables)[:3]
+        self.recorder.begin_wave(self.world)
+        *found, self.recorder.marks = self._recorded(*inputs, self.world.variables, self.recorder.marks)
+        return found
 
     def _watched(self, source: Source, generation: int) -> Wave:
         wave = source.wave(self.world, generation)
@@ -251,11 +271,14 @@ class Wavefront:
             wave.ray = self.disturb(wave)
         return wave
 
-    def _step(self, source: Source, film: Film, generation, last: bool, primary: bool, variables=None,
+    def _step(self, source: Source, film: Film, generation, last: bool, primary: bool, variables=None, marks=None,
               wave: Wave | None = None):
-        """One wave: its kernel. `variables` are all arrays that a recording reads besides its other inputs."""
+        """One wave: its kernel. `variables` are all arrays that a recording reads besides its other inputs, `marks` those that
+        its recorder writes."""
         world, watched = self.world, wave is not None
         wave = wave or source.wave(world, -1)
+        if marks is not None:
+            wave.ray = self.recorder.disturb(world, wave)
         interaction = interact(world, wave.ray, active=wave.weight > 0)
         finite = film.add(world, interaction.color, wave.weight, wave.slot)
         film.note(wave, interaction.undecided, finite, generation)
@@ -273,8 +296,10 @@ class Wavefront:
             dr.eval(film, interaction)
             if self.observe:
                 self.observe(wave, interaction)
-        dr.eval(film, parents if parents and parents.weights else None, met)
-        return (parents if parents and parents.weights else None), film, met
+        if marks is not None:
+            self.recorder.observe(world, wave, generation, interaction)
+        dr.eval(film, parents if parents and parents.weights else None, met, marks)
+        return (parents if parents and parents.weights else None), film, met, marks
 
     # --- queues ----------------------------------------------------------------------------------------------------
     def _queues(self, parents: Parents, generation: int, most: int) -> list:

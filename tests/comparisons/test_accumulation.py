@@ -2,14 +2,21 @@
 
 import json
 import shlex
+import shutil
 
+import numpy as np
 import pytest
 
 from comparisons import results, suite
 from comparisons.agreement import records
+from comparisons.execution.pool import Pool
+from comparisons.runs import Request, RunStore
 from comparisons.stability import document as stability
 from raytruth.cli import main
+from reference_tracer.scene import library
 from reference_tracer.scene.load import parse_scene
+from reference_tracer.tracer.image_files import load_npz
+from reference_tracer.tracer.render import render
 
 
 def scene(name, radius=1.0):
@@ -61,6 +68,27 @@ def test_the_command_printed_with_a_case_works_and_leaves_the_results_alone(tmp_
     for field in ("scenes", "runs", "comparisons"):
         key = lambda row: row.model_dump_json()
         assert sorted(getattr(after, field), key=key) == sorted(getattr(before, field), key=key)
+
+
+@pytest.mark.parametrize("renderer, settings, changes", [
+    ("exact", {}, {"refraction": "as_printed"}), ("exact", {}, {"max_depth": 1}), ("paper", {"step_size": 0.3}, {}),
+    ("mitsuba-mesh", {"resolution": 48}, {}), ("embree", {"resolution": 48}, {}), ("mitsuba-native", {}, {}), ("povray", {}, {})])
+def test_the_command_printed_with_a_run_makes_its_picture_again(tmp_path, monkeypatch, renderer, settings, changes):
+    if renderer == "povray" and not shutil.which("povray"):
+        pytest.skip("needs POV-Ray")
+    monkeypatch.chdir(tmp_path)
+    base = library.find("effect-total-reflection").resized(24, 18)
+    request, made = Request(base.traced_with(**changes), renderer, settings, changes), RunStore(tmp_path / "results")
+    with Pool(1) as pool:
+        run = made.make(request, pool, 120)
+    assert run.state == "ok", run.message
+    program, *arguments = shlex.split(run.command)
+    assert program == "raytruth" and main(arguments) == 0
+    again, kept = (load_npz(file)[0] for file in (tmp_path / f"{base.name}.npz", made.file(run.key)))
+    for name in ("color", "t", "position", "normal", "index", "depth", "status"):  # Mitsuba adds up a pixel's rays in any order
+        assert np.allclose(again[name], kept[name], rtol=0, atol=1e-12, equal_nan=True), name
+    if changes:
+        assert not np.array_equal(kept["color"], render(base).color)
 
 
 def test_one_more_family_drops_no_other(tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import json
 
+import drjit as dr
 import numpy as np
 import pytest
 
@@ -9,7 +10,9 @@ from comparisons.execution.store import Store
 from comparisons.verdicts import conditioning as module
 from comparisons.verdicts.conditioning import Accuracy, apart, limits
 from reference_tracer.scene.load import parse_scene
-from reference_tracer.tracer.render import UNDECIDED, render
+from reference_tracer.tracer.render import UNDECIDED, Renderer, render
+from reference_tracer.tracer.sensitivity import Displaced, Perturbations
+from reference_tracer.tracer.world import World
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 48, "height": 36},
@@ -53,6 +56,44 @@ def test_a_displaced_surface_stays_within_its_limits_and_one_farther_off_does_no
         picture = render(SCENE.model_copy(update={"objects": (shrunk, floor)}), "exact")
         found = apart(truth, {**vars(picture), "camera": np.zeros(3)}, held)
         assert (found["differing pixels"] > 0) == differs and (differs or found["excused pixels"] <= found["pixels at risk"])
+
+
+def turned(angle):
+    """A tracer with the ball's normals turned towards x by `angle`."""
+    def normal(self, point, index, active):
+        found = World.normal(self, point, index, active)
+        c, s = float(np.cos(angle)), float(np.sin(angle))
+        return dr.select(index == BALL, type(found)(c * found.x + s * found.z, found.y, c * found.z - s * found.x), found)
+    return type("Tilted", (World,), {"normal": normal})
+
+
+def test_normals_within_their_errors_agree_and_others_differ(kept, truth):
+    """A mirror ball shows the floor elsewhere when its normals turn, though its surface lies where it should."""
+    ball, floor = SCENE.objects
+    mirror = ball.model_copy(update={"material": ball.material.model_copy(update={"reflection": 0.8})})
+    scene = SCENE.model_copy(update={"objects": (mirror, floor)})
+    exact = {**vars(render(scene, "exact")), "camera": np.zeros(3)}
+    stated, unstated = (limits(scene, Accuracy(64, (0.0, 0.0), (0.0, 0.0), errors), kept) for errors in ((1e-3, 0.0), ()))
+    for angle, differs in ((7e-4, False), (2e-2, True)):
+        test = {**vars(Renderer(scene, "exact", world=turned(angle)).picture()), "camera": np.zeros(3)}
+        assert (apart(exact, test, stated)["differing pixels"] > 50) == differs
+        assert apart(exact, test, unstated)["differing pixels"] > 50
+        found = apart(exact, test, stated)
+        assert differs or (not found["differing pixels"] and found["excused pixels"] <= found["pixels at risk"]), found
+    away = (module.largest_around(stated.touched) == 0) & (truth["index"] == FLOOR)
+    assert away.sum() > 100 and (stated.normal[away] <= 1.01 * unstated.normal[away]).all()
+
+
+def test_normals_turn_at_random_by_no_more_than_asked_and_alike_for_one_seed():
+    made = Perturbations(SCENE, "exact", Displaced((0.0, 0.0), (0.0, 0.0), (1e-2, 0.0)))
+    pictures = [made.picture(0.0, seed) for seed in (0, 1, 1, 2)]
+    straight, one, again, other = (p.normal for p in pictures)
+    met = pictures[0].index == BALL
+    turn = 2 * np.arcsin(np.linalg.norm(one - straight, axis=-1)[met] / 2)
+    assert 0.9e-2 < turn.max() <= 1e-2 * (1 + 1e-12) and turn.mean() == pytest.approx(2 / 3 * 1e-2, rel=0.1)  # of a disc
+    assert np.linalg.norm((one - straight)[met].mean(axis=0)) < 2e-3  # no way is preferred
+    assert (one[met] == again[met]).all() and (one[met] != other[met]).any(axis=-1).all()
+    assert (one[pictures[0].index == FLOOR] == straight[pictures[0].index == FLOOR]).all()
 
 
 def test_undecided_pixels_judge_nobody_and_are_counted(kept, truth):

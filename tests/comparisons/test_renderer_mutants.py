@@ -7,6 +7,7 @@ from mutants import MUTANTS, SCENE, right
 from comparisons import renderers
 from comparisons.attribution.measure import attribute
 from comparisons.execution.store import Store
+from comparisons.results import OF_OBJECTS
 from comparisons.verdicts import conditioning, metrics
 from comparisons.verdicts.conditioning import Accuracy
 from comparisons.verdicts.judge import judge
@@ -51,6 +52,18 @@ def test_more_pixels_excused_than_rounding_explains_differ(kept):
     assert found["excused pixels"] > found["pixels at risk"] > 0
     gates = {gate.name: gate.holds for gate in judge(found, MESH, NATIVE)[2]}
     assert not gates["excused pixels"]
+
+
+def test_normals_a_degree_off_differ_on_a_mesh_too(kept):
+    """What is stated of a mesh's normals does not hide them: all that Embree states of its meshes of this scene, and of ones
+    eight times as coarse."""
+    for resolution in (256, 32):
+        picture, stated = MUTANTS["normals of one object a degree off"].make(SCENE), renderers.render(
+            "embree", SCENE, {"resolution": resolution}).metadata
+        picture.metadata |= {name: stated[name] for name in (*OF_OBJECTS, "precision", "triangles")}
+        assert max(stated["errors"]) > 0
+        verdict, reason, _ = verdict_on(SCENE, "embree", picture, right(SCENE), kept)
+        assert verdict == "differs", reason
 
 
 def single(picture):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from converters.mesh import check, mesh_object, mesh_to_error
-from converters.mesh.error import bounds, of_triangles
+from converters.mesh.error import bounds, of_normals, of_triangles
 from converters.mesh.placed import Placed
 from reference_tracer.errors import InputError
 from reference_tracer.scene.model import Object
@@ -32,6 +32,34 @@ def test_bounds_of_a_flat_triangle():
     *sides, centre, between = of_triangles(placed(Sphere(r=1.0)), corners, np.array([[0, 1, 2]]))
     assert all(0.5 <= side < 0.76 for side in sides)  # first order says (1 - 1/4) / (2 * 1/2) = 0.75
     assert 1 <= centre < 1.2 and between == pytest.approx(4 / 3 * sides[0])  # of a parabola in the middle
+
+
+def test_normals_of_a_flat_triangle():
+    """Over the parabola z = x^2 / 2 from x = 0 to 1 the interpolated normal turns back by half of atan 1, grad f by
+    atan 1/2; along the third edge nothing turns."""
+    corners = np.array([[0, 0, 0], [1, 0, 0.5], [0, 1, 0]])
+    normals = np.array([[0, 0, 1], [-(0.5**0.5), 0, 0.5**0.5], [0, 0, 1]])
+    one, two, three, centre = of_normals(placed(Expression(formula="z - x**2/2")), corners, normals, np.array([[0, 1, 2]]))
+    assert two == pytest.approx(0, abs=1e-15) and one == pytest.approx(np.arctan(0.5) - np.pi / 8) == pytest.approx(three)
+    # two normals straight up and one at 45 degrees; x = 1/3 below the centroid
+    assert centre == pytest.approx(np.arctan(1 / 3) - np.arctan(0.5**0.5 / (2 + 0.5**0.5)))
+
+
+def test_the_error_of_normals_is_what_points_of_triangles_show(mesh_of):
+    """Anywhere on the triangles, 99 % of the area keep it, not by far; it falls with the square of the resolution."""
+    coarse, fine = mesh_of(TORUS, 32), mesh_of(TORUS, 64)
+    assert 3 < coarse.normal_error / fine.normal_error < 5
+    a, b, c = fine.vertices[fine.faces.T]
+    random = np.random.default_rng(1)
+    chosen = random.choice(len(a), 4000, p=(area := np.linalg.norm(np.cross(b - a, c - a), axis=1)) / area.sum())
+    weights = random.dirichlet((1, 1, 1), 4000)
+    at = lambda corners: np.einsum("nk,nkj->nj", weights, corners[fine.faces[chosen]])
+    p, n = at(fine.vertices), at(fine.normals)
+    ring = np.array([[1, 1, 0]]) * p  # the nearest point of the circle within the torus is straight ahead of its normal
+    exact = p - TORUS.R * ring / np.linalg.norm(ring, axis=1, keepdims=True)
+    cos = np.einsum("ij,ij->i", n, exact) / np.linalg.norm(n, axis=1) / np.linalg.norm(exact, axis=1)
+    assert 0.5 * fine.normal_error < np.quantile(np.arccos(np.minimum(cos, 1)), 0.99) <= 1.05 * fine.normal_error
+    assert mesh_of(Sphere(r=1.0), 32).normal_error < 1e-14  # there interpolation is exact
 
 
 FAMILIES = {  # f, and the exact distance of points of space from its zeros
@@ -82,7 +110,7 @@ def deepest(mesh):
 def test_gradients_of_nan_hide_no_error(mesh_of):
     """Vertices cannot be projected then: the error is large, about a quarter of a cell squared, and is told."""
     mesh = mesh_of(Expression(formula=NAN, bounds=CUBE), 32)
-    assert mesh.error >= deepest(mesh) > 1e-3 and mesh.residual is None
+    assert mesh.error >= deepest(mesh) > 1e-3 and mesh.residual is None and mesh.normal_error is None
     assert mesh_of(Sphere(r=1.0), 32).residual < 1e-15
 
 

@@ -9,6 +9,7 @@ from comparisons.renderers.mitsuba import render as render_mitsuba
 from converters.mitsuba import convert, document_directions, grid
 from reference_tracer.errors import InputError
 from reference_tracer.scene.model import Material, Object, Rotation
+from reference_tracer.scene.placement import rotation_matrix
 from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
 from reference_tracer.tracer.render import render
 
@@ -54,6 +55,19 @@ def test_the_measured_error_bounds_what_rays_see(scene_of):
     assert 0.3 * error < depth.max() < error / 0.3  # along the ray, at up to acos(0.3)
 
 
+@pytest.mark.parametrize("rotation", [None, TURNED])
+def test_the_stated_error_of_normals_is_what_rays_see(scene_of, rotation):
+    """Where they meet the grid, wherever that is."""
+    surface = Ellipsoid(center=(0.1, 0.2, 3.0), a=1.1, b=0.5, c=0.4)
+    scene = scene_of(Object(surface=surface, rotation=rotation), width=160, height=120)
+    seen, turn = render_mitsuba(scene, shapes="sdfgrid", resolution=48, repeat=False), rotation_matrix(rotation)
+    met = seen.index == 0
+    exact = (seen.position[met] - surface.center) @ turn / np.square([1.1, 0.5, 0.4]) @ turn.T
+    angle = np.linalg.norm(exact / np.linalg.norm(exact, axis=1, keepdims=True) - seen.normal[met], axis=1)
+    stated = convert(scene, "sdfgrid", 48).parts[0].normal_error
+    assert 0.5 * stated < np.quantile(angle, 0.99) < 1.5 * stated
+
+
 def test_what_has_no_bounds_keeps_its_exact_shape_or_its_mesh(scene_of):
     scene = scene_of(Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0),
                      Paraboloid(center=(0.0, 0.0, 3.0), a=0.7, b=0.9), Sphere(center=(0.0, 0.0, 3.0), r=0.5))
@@ -77,7 +91,7 @@ def test_swapped_axes_are_found(scene_of, monkeypatch):
     """The wrong implementation: Mitsuba's grids are stored z, y, x."""
     scene = scene_of(Torus(center=(0.0, 0.0, 3.0), R=0.8, r=0.3), width=160, height=120)
     monkeypatch.setattr(grid, "_sampled", lambda *a, sampled=grid._sampled: sampled(*a).transpose(2, 1, 0))
-    monkeypatch.setattr(grid, "_error", lambda *_: 0.0)
+    monkeypatch.setattr(grid, "_errors", lambda *_: (0.0, 0.0))
     assert compared(scene, 48)[2] > 100
 
 

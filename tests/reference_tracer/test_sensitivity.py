@@ -1,11 +1,14 @@
 """The sensitivity map predicts what rounding does, and excuses nothing else."""
 
+import json
+
 import numpy as np
 import pytest
 
 from reference_tracer.scene.library import scene
+from reference_tracer.scene.load import parse_scene
 from reference_tracer.tracer.render import render
-from reference_tracer.tracer.sensitivity import FLOOR_UNITS, SAFETY, UNIT, perturbed, sensitivity
+from reference_tracer.tracer.sensitivity import FLOOR_UNITS, SAFETY, UNIT, Displaced, Perturbations, perturbed, sensitivity
 
 MOST_OUTSIDE = 1  # one pixel in ten thousand; the pictures have 12 288
 NAMES = ("figure-07-torus", "figure-09-heart", "figure-17-scene1")
@@ -63,3 +66,30 @@ def test_the_smooth_response_is_that_of_the_cosine_law():
     moved = (8 + 4 * 3) * np.sqrt(3) * UNIT[32] * 1.5  # origin and direction, at most 3 long, seen at up to 40 degrees
     assert 0 < np.median(response) <= steepest * moved
     assert (found.risk == 0).all()
+
+
+@pytest.mark.parametrize("name, method", [("figure-17-scene1", "exact"), ("figure-07-torus", "paper"), ("balls", "exact")])
+def test_replayed_pictures_are_those_made_afresh(name, method):
+    """One recording serves all perturbations, whose scenes differ in numbers: to the last bit, also where objects make up
+    clusters by their places."""
+    balls = [{"surface": {"type": "sphere", "center": [k % 5 - 2, k // 5 - 2, 5 + 0.3 * k], "r": 0.4}, "material": {"reflection": 0.3}}
+             for k in range(25)]
+    turned = {"surface": {"type": "expression", "formula": "x**4 + y**4 + z**4 - 0.3", "center": [0, 0, 3], "bounds": {
+        "low": [-1, -1, -1], "high": [1, 1, 1]}}, "rotation": {"axis": [1, 2, 0], "degrees": 40},
+        "material": {"transparency": 0.5, "refractive_index": 1.3}}
+    base = parse_scene(json.dumps({"name": "balls", "objects": [turned, *balls], "lights": [{"position": [2, 3, -1]}],
+                                   "tracing": {"max_depth": 2}}).encode()) if name == "balls" else scene(name)
+    small = base.resized(32, 24)
+    count = len(small.objects)
+    displaced = Displaced((1e-2,) * count, (0.0,) * count, (1e-3,) * count)
+    together, pictures = Perturbations(small, method, displaced), {}
+    for seed in (0, 1, 2, 7):
+        alone = Perturbations(small, method, displaced)
+        one, other = (made.picture(UNIT[32] * (seed > 0), seed) for made in (alone, together))
+        for plane in ("color", "t", "position", "normal", "index", "depth", "status"):
+            assert np.array_equal(getattr(one, plane), getattr(other, plane), equal_nan=True), plane
+        assert all((alone.signatures[risk] == together.signatures[risk]).all() for risk in alone.signatures)
+        assert (alone.touched == together.touched).all() and (alone.grazing == together.grazing).all()
+        pictures[seed] = one.t
+    assert len({t.tobytes() for t in pictures.values()}) == 4  # no two are the same
+    assert np.array_equal(pictures[0], render(small, method).t)
