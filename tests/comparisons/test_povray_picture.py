@@ -55,6 +55,10 @@ SCENES = {
     "background beyond the last generation": scene(FLOOR, BALL, background=(0.2, 0.3, 0.5), tracing=Tracing(max_depth=2)),
     "rays end": scene(FLOOR, BALL, tracing=Tracing(max_distance=6.0)),
     "no shadows, four samples": scene(DULL, BALL, tracing=Tracing(effects=("reflection", "refraction"), samples=2)),
+    "functions of formulas": scene(DULL, thing(Expression(
+        formula="smin(hypot(x, y) - 0.3, hypot(x, y, z) - 0.6, 0.2) + 0.05 sin(5 atan2(y, x)) tanh(z)(cosh(x) - 0.5)"
+                " + smoothstep(0, 0.5, y)/20 - mix(0.01, 0.02, x) + asin(z/4)/9 + acos(y/3)/40 + sinh(x)/30",
+        center=(0.0, 0.2, 4.0), clip=INNER), TURN, color=(0.4, 0.7, 0.9))),
     "isosurfaces": scene(DULL, thing(Heart(center=(-0.9, 0.2, 4.0)), TURN, color=(0.9, 0.2, 0.3)),
                          thing(Expression(formula="x**4 + y**4 + z**4 - cbrt(0.5)", center=(1.3, 0.0, 4.5), bounds=CUBE), TURN,
                                color=(0.3, 0.8, 0.4)),
