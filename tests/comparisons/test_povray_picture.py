@@ -90,7 +90,9 @@ def test_pov_ray_sees_what_the_reference_sees(name):
     exact, picture = render(of, "exact"), povray.render(of)
     limit = 2e-4 if "isosurface" in name else 2e-5
     assert largest(picture.color, of, exact) <= limit
-    assert (picture.index == exact.index).all() and (picture.status == exact.status).all()
+    decided = exact.status != UNDECIDED
+    assert np.count_nonzero(~decided) <= (10 if name == "functions of formulas" else 0)
+    assert (picture.index == exact.index).all() and (picture.status == exact.status)[decided].all()
     hit = exact.index >= 0
     assert np.all(np.abs(picture.t[hit] - exact.t[hit]) <= (1e-6 if "isosurface" in name else 1e-10) * exact.t[hit])
     # slopes have 16 bits of pi, the chord of half a step is 2.4e-5 an axis
