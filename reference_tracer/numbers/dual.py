@@ -173,11 +173,11 @@ def _negative(d):
 
 
 def _plus(a, b):
-    return b if a is None else a if b is None else a + b
+    return b if a is None else a if b is None else fn.add(a, b)
 
 
 def _times(d, factor):
-    return None if d is None else d * factor
+    return None if d is None else fn.mul(d, factor)  # d may be an array, a parameter times the slope 1
 
 
 def _over(d, divisor):

@@ -38,7 +38,7 @@ def _exp_of_array(x):
 # drjit.tan loses digits below |x| = 1e-4 (relative error 3e-9 in 1.5); the quotient is good to 3 ulp there
 _ON_DRJIT = {"sqrt": dr.sqrt, "cbrt": dr.cbrt, "sin": _wave_of_array(dr.sin), "cos": _wave_of_array(dr.cos),
              "tan": _wave_of_array(lambda x: dr.sin(x) / dr.cos(x)), "exp": _exp_of_array, "log": dr.log, "absolute": dr.abs,
-              "floor": dr.floor, "heaviside": lambda x: dr.select(x >= 0, 1.0, dr.select(x < 0, 0.0, math.nan))}
+              "floor": dr.floor, "heaviside": lambda x: dr.select(x >= 0, type(x)(1), dr.select(x < 0, type(x)(0), x))}
 
 
 def _elementary(name: str, on_scalar, on_numpy=None):

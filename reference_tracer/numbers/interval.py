@@ -290,7 +290,8 @@ class Interval:
 
     def flat_slope(self, function):
         """See functions.flat_slope."""
-        slope = fn.select(function(self.low) == function(self.high), 0.0, math.nan)
+        low, high = function(self.low), function(self.high)
+        slope = fn.select(low == high, 0.0 * low, math.nan)  # of two Python numbers dr.select makes single precision
         return type(self)(slope, slope)
 
     def atan2(self, x):
@@ -298,7 +299,7 @@ class Interval:
         x = self.of(x)
         corners = [fn.atan2(b, a) for b in (self.low, self.high) for a in (x.low, x.high)]
         angle = self.rounded(_low(*corners), _high(*corners), ULPS["atan2"], self.nonnegative)
-        whole = fn.select((self.low <= self.high) & (x.low <= x.high), _HALF_TURN, math.nan)
+        whole = fn.select((self.low <= self.high) & (x.low <= x.high), 0.0 * corners[0] + _HALF_TURN, math.nan)
         return self._where(~self._meets_cut(x), angle, whole, self.nonnegative)
 
     def atan2_of(self, y):
@@ -310,7 +311,8 @@ class Interval:
 
     def off_cut(self, x):
         """0 where the box of ordinates `self` and abscissas `x` holds no point at which the angle jumps, else NaN."""
-        slope = fn.select(self._meets_cut(self.of(x)), math.nan, 0.0)
+        x = self.of(x)
+        slope = fn.select(self._meets_cut(x), math.nan, 0.0 * fn.atan2(self.low, x.low))
         return type(self)(slope, slope)
 
     def minimum(self, other):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from typing import Annotated, Literal, Union
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, WrapSerializer, model_validator
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from ..surfaces import KINDS, Clipped
+from ..surfaces import AnySurface
 from ..surfaces.surface import Finite, Length, Vector
 from .promises import broken
 
@@ -20,8 +20,6 @@ MOST_PIXELS = 2**26
 MOST_STEPS = 1_000_000
 
 
-AnySurface = Annotated[Union[KINDS], Field(discriminator="type"), AfterValidator(Clipped.made),  # noqa: UP007
-                       WrapSerializer(Clipped.document)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Intensity = Annotated[float, Field(ge=0, le=1000)]
 Colour = tuple[Fraction, Fraction, Fraction]

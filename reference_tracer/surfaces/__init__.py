@@ -4,6 +4,10 @@ To add a surface: write a file like sphere.py and list its class in KINDS. Scene
 then know it.
 """
 
+from typing import Annotated, Union
+
+from pydantic import AfterValidator, Field, WrapSerializer
+
 from .clipped import Clipped
 from .csg import Csg
 from .ellipsoid import Ellipsoid
@@ -17,5 +21,10 @@ from .torus import Torus
 
 KINDS: tuple[type[Surface], ...] = (Plane, Sphere, Ellipsoid, Torus, Paraboloid, Heart, Expression, Csg)
 
-__all__ = ["KINDS", "Bounds", "Box", "Clipped", "Csg", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere",
-           "Surface", "Torus"]
+# as scene files have them
+AnySurface = Annotated[Union[KINDS], Field(discriminator="type"), AfterValidator(Clipped.made),  # noqa: UP007
+                       WrapSerializer(Clipped.document)]
+Csg.model_rebuild(_types_namespace={"AnySurface": AnySurface})
+
+__all__ = ["KINDS", "AnySurface", "Bounds", "Box", "Clipped", "Csg", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane",
+           "Sphere", "Surface", "Torus"]

@@ -3,25 +3,17 @@
 from __future__ import annotations
 
 from functools import cached_property, reduce
-from typing import Annotated, ClassVar, Literal, Union
+from typing import TYPE_CHECKING, ClassVar, Literal
 
-from pydantic import AfterValidator, Field, WrapSerializer
+from pydantic import Field
 
 from ..numbers import functions as fn
-from .clipped import Clipped
-from .ellipsoid import Ellipsoid
-from .expression import Expression
-from .heart import Heart
-from .paraboloid import Paraboloid
-from .plane import Plane
-from .sphere import Sphere
 from .surface import Surface
-from .torus import Torus
+
+if TYPE_CHECKING:
+    from . import AnySurface  # known when all kinds are: see there
 
 MOST_PARTS = 32
-
-PartOfCsg = Annotated[Union[Plane, Sphere, Ellipsoid, Torus, Paraboloid, Heart, Expression, "Csg"],
-                      Field(discriminator="type"), AfterValidator(Clipped.made), WrapSerializer(Clipped.document)]
 
 
 class Csg(Surface):
@@ -32,7 +24,7 @@ class Csg(Surface):
 
     type: Literal["csg"] = "csg"
     operation: Literal["union", "intersection", "difference"]
-    of: tuple[PartOfCsg, ...] = Field(min_length=2, max_length=MOST_PARTS, description="the solids, surfaces of any type")
+    of: tuple[AnySurface, ...] = Field(min_length=2, max_length=MOST_PARTS, description="the solids, surfaces of any type")
 
     title: ClassVar[str] = "Solids joined"
     equation: ClassVar[str] = "min(f, g) = 0, max(f, g) = 0 or max(f, −g) = 0"
@@ -97,6 +89,3 @@ class Csg(Surface):
 def _spanned(boxes, least, most):
     lows, highs = zip(*boxes)
     return tuple(map(least, zip(*lows))), tuple(map(most, zip(*highs)))
-
-
-Csg.model_rebuild()

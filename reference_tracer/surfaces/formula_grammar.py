@@ -141,7 +141,7 @@ def _lines(words: list[Token], values: dict[str, float]) -> Iterator[Token]:
     for number, line in enumerate(lines):
         while line and line[0].type == "NAME" and str(line[0]) in STARTS_LINE and len(line) > 1 and line[1].type == "NAME":
             line = line[1:]
-        if line[0].type == "NAME" and str(line[0]) == "return":
+        if line[0].type == "NAME" and str(line[0]) == "return" and len(line) > 1:
             line = line[1:]
         last = number == len(lines) - 1
         name = line[0]

@@ -65,6 +65,10 @@ SCENES = {
     "isosurface without a shadow": scene(DULL, thing(Expression(formula="x**4 + y**4 + z**4 - cbrt(0.5)", center=(0.3, 0.0, 4.5),
                                                                 bounds=CUBE)).model_copy(update={"shadow": False}),
                                          tracing=Tracing(max_distance=15.0, ambient=0.1)),
+    "functions of formulas": scene(DULL, thing(Expression(
+        formula="smin(hypot(x, y) - 0.3, hypot(x, y, z) - 0.6, 0.2) + 0.05 sin(5 atan2(y, x)) tanh(z)(cosh(x) - 0.5)"
+                " + smoothstep(0, 0.5, y)/20 - mix(0.01, 0.02, x) + asin(z/4)/9 + acos(y/3)/40 + sinh(x)/30",
+        center=(0.0, 0.2, 4.0), clip=INNER), TURN, color=(0.4, 0.7, 0.9))),
     "isosurfaces": scene(DULL, thing(Heart(center=(-0.9, 0.2, 4.0)), TURN, color=(0.9, 0.2, 0.3)),
                          thing(Expression(formula="x**4 + y**4 + z**4 - cbrt(0.5)", center=(1.3, 0.0, 4.5), bounds=CUBE), TURN,
                                color=(0.3, 0.8, 0.4)),
@@ -96,7 +100,9 @@ def test_pov_ray_sees_what_the_reference_sees(name):
     exact, picture = render(of, "exact"), povray.render(of)
     limit = 2e-4 if "isosurface" in name else 2e-5
     assert largest(picture.color, of, exact) <= limit
-    assert (picture.index == exact.index).all() and (picture.status == exact.status).all()
+    decided = exact.status != UNDECIDED
+    assert np.count_nonzero(~decided) <= (10 if name == "functions of formulas" else 0)
+    assert (picture.index == exact.index).all() and (picture.status == exact.status)[decided].all()
     hit = exact.index >= 0
     assert np.all(np.abs(picture.t[hit] - exact.t[hit]) <= (1e-6 if "isosurface" in name else 1e-10) * exact.t[hit])
     # slopes have 16 bits of pi, the chord of half a step is 2.4e-5 an axis

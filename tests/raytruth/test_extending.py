@@ -71,7 +71,7 @@ def house(tmp_path):
         shutil.copytree(HERE / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__", "html"))
     (tmp_path / "reference_tracer/surfaces/cylinder.py").write_text(CYLINDER)
     listed(tmp_path / "reference_tracer/surfaces/__init__.py", "from .ellipsoid", "from .cylinder import Cylinder\nfrom .ellipsoid")
-    listed(tmp_path / "reference_tracer/surfaces/__init__.py", "Heart, Expression)", "Heart, Expression, Cylinder)")
+    listed(tmp_path / "reference_tracer/surfaces/__init__.py", "Heart, Expression, Csg)", "Heart, Expression, Csg, Cylinder)")
     (tmp_path / "comparisons/renderers/witness.py").write_text(WITNESS)
     listed(tmp_path / "comparisons/renderers/__init__.py", "RENDERERS = {r.name: r for r in (",
            'RENDERERS = {r.name: r for r in (\n    Renderer("witness", "enclosures alone", "witness"),')

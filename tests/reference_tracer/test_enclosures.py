@@ -259,3 +259,15 @@ def test_both_sides_of_a_jump_are_enclosed_and_no_more():
         ball = f(*Series.along((0.9, 0, 0), (1, 0, 0), arb(0.1, 0.1))).s
         assert ball[0] > 0.1 and not ball[1].is_finite()
         assert f(*Series.along((0.2, 0, 0), (1, 0, 0), arb(0.1, 0.05))).s[1].is_finite()
+
+
+@pytest.mark.parametrize("name", NAMED)
+def test_no_function_falls_to_single_precision(name):
+    """Of two Python numbers Dr.Jit's select makes one of single precision; a kernel's loop then refuses to change its type."""
+    case, Float = NAMED[name], backend().Float
+    arrays = [Float([0.25, -0.5]), Float([0.75, 0.5])][:case.arity]
+    assert type(case.phi(*arrays)) is Float
+    for number in (Interval, OutwardInterval):
+        result = case.phi(*(Dual(number(a, a + 0.125), (number(Float(1.0)),)) for a in arrays))
+        for part in (result.value, number.of(result.derivative())):
+            assert {type(part.low), type(part.high)} <= {Float, float, int}, name

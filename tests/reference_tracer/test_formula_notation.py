@@ -1,6 +1,7 @@
 """The notation of formulas: what is the same however it is written, and what faults are told like."""
 
 import json
+import random
 
 import pytest
 
@@ -93,3 +94,19 @@ def test_parameters_that_are_none_are_refused(parameters, told):
     with pytest.raises(InputError) as error:
         parse_scene(_scene(formula="x - 1", parameters=parameters))
     assert told in str(error.value) and "objects[0].surface" in str(error.value)
+
+
+WORDS = ["x", "y", "z", "2", ".5", "1e3", "0x1", *"()[]{}+-*/^|!<>=,;~#%", "**", "²", "⁻¹", "||", "&&", "and", "or", "not", "<=", "==", "!=",
+         "\n", "\r", "\0", "sin", "max", "smin", "mod", "√", "π", "e", "R", "foo", "let ", "return ", "r", "f(x,y,z)=", "p.x", "·", "−", "é"]
+
+
+def test_any_row_of_words_is_read_or_refused_in_one_sentence():
+    chance, read = random.Random(5), 0
+    for _ in range(3000):
+        text = chance.choice(["", " "]).join(chance.choices(WORDS, k=chance.randint(1, chance.choice([4, 9, 25, 200]))))
+        try:
+            parse_formula(text, VALUES)
+            read += 1
+        except FormulaError as error:
+            assert len(str(error).splitlines()) == 1, text
+    assert read > 10

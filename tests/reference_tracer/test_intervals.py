@@ -10,6 +10,7 @@ import pytest
 from reference_tracer.backend import backend
 from reference_tracer.numbers import Dual, Interval, OutwardInterval
 from reference_tracer.numbers import functions as fn
+from reference_tracer.surfaces.expression import forms_of
 
 COUNT, SAMPLES = 60, 5
 KINDS = ("float", "numpy", "drjit")
@@ -225,3 +226,17 @@ def test_slopes_that_are_plain_numbers_keep_their_digits():
     np.testing.assert_allclose(low, [-0.7, -0.7, 0.3], rtol=4e-16)
     np.testing.assert_allclose(high, [-0.7, 0.3, 0.3], rtol=4e-16)
     assert (low <= [-0.7, -0.7, 0.3]).all() and (high >= [-0.7, 0.3, 0.3]).all()
+
+
+@pytest.mark.parametrize("formula", ["sin(10*x)", "exp(3*x)*y", "sqrt((2*x)**2 + 1)*tan(x/4)", "min(2*x, y)*3", "cbrt(x*5 + 7)/(2 - x/9)",
+                                     "(x*2)**2.5 + atan2(3*x, y)", "mod(x*3, 2)*x", "smin(2*x, y*z, 0.5)"])
+def test_slopes_by_parameters_of_kernels_are_enclosed(formula):
+    """Numbers of a formula are arrays in kernels; the slope of 10 x is such an array, and no interval."""
+    form, Float = forms_of(formula), backend().Float
+    numbers = {name: Float(value) for name, value in form.parameters.items()}
+    cube = tuple(OutwardInterval(Float(c - 1e-9), Float(c + 1e-9)) for c in (0.3, 0.4, 0.5))
+    f, at = form.regular(*Dual.axes(cube), **numbers), form.regular(*Dual.axes((0.3, 0.4, 0.5)))
+    for k in range(3):
+        slope = OutwardInterval.of(f.derivative(k))
+        assert Float(slope.low)[0] <= at.derivative(k) <= Float(slope.high)[0]
+        assert Float(slope.high)[0] - Float(slope.low)[0] < 1e-5
