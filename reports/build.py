@@ -27,7 +27,7 @@ from .text.numbers import parts
 
 OUTPUT = Path("reports/html")
 STAMP = ".raytruth-report"  # a file in every report: what it was made from; a folder without it is not ours to replace
-STATIC = ("report.css", "report.js")
+STATIC = ("report.css", "report.js", "planes.js", "errors.js", "export.js", "viewer.js")  # copied as they are
 MOST_THREADS = 4  # each holds the planes of one scene, about 200 MB; packing and unpacking run in parallel
 
 

@@ -15,6 +15,7 @@ from ..execution import store
 from ..execution.pool import Pool, Task, complete
 from ..execution.store import Store
 from ..results import Run, State
+from .conditioning import Accuracy
 from .tolerances import accuracy_of
 
 FOLDER = "measured"
@@ -41,12 +42,7 @@ class Pair:
 
     @property
     def accuracies(self) -> list[dict]:
-        """What single pixels are held to: the accuracies of the two, one of two that share their geometry; none where
-        nothing is measurable, or both are the truth's."""
-        if any(None in run.errors for run in (self.first, self.second)):
-            return []
-        found = [asdict(a) for run in (self.first, self.second) if (a := accuracy_of(run))]
-        return list({repr(a): a for a in found}.values())
+        return [asdict(accuracy) for accuracy in accuracies(self.first, self.second)]
 
     @property
     def tells_depth(self) -> bool:
@@ -62,6 +58,14 @@ class Pair:
     def key(self) -> str:
         return store.key(self.first.key, self.second.key, self.smooth, self.accuracies, self.literal,
                          made_by=("comparisons.verdicts.measure",))
+
+
+def accuracies(first: Run, second: Run) -> list[Accuracy]:
+    """What single pixels are held to: the accuracies of the two, one of two that share their geometry; none where nothing
+    is measurable, or both are the truth's."""
+    if any(None in run.errors for run in (first, second)):
+        return []
+    return list({repr(a): a for run in (first, second) if (a := accuracy_of(run))}.values())
 
 
 class Measurements:

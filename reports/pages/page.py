@@ -36,7 +36,7 @@ class Report:
         found = self.of_scene(scene)
         keys = ([c.reference.key for c in found if c.comparison.against == "model"]
                 + [c.reference.key for c in found] + list(runs))
-        return next((runs[key].files["color"] for key in keys if key in runs), None)
+        return next((runs[key].file for key in keys if key in runs), None)
 
 
 def arrange(results: Results, documents: dict[str, Record] | None = None, folder: Path = Path()) -> Report:

@@ -6,11 +6,10 @@ from comparisons.results import Series
 
 from ..cases import scene_page, verdict_counts
 from ..figures.charts import Axis, Line, chart
-from ..figures.maps import object_colours
-from ..figures.scale import css
 from ..text.numbers import parts
 from ..text.words import LITERAL, TRUTHS, VERDICTS, slug
 from .page import Page, Report
+from .viewer import objects, viewer
 
 
 def pages(report: Report) -> list[Page]:
@@ -30,9 +29,9 @@ def pages(report: Report) -> list[Page]:
         "after": after,
         "picture": report.main_picture(scene),
         "pictures": report.pictures[scene.name],
-        "objects": list(zip(scene.objects, scene.surfaces, map(css, object_colours(len(scene.objects))))),
+        "objects": objects(scene),
         "cases": report.of_scene(scene),
-        "failed": [run for run in report.results.runs if run.scene == scene.name and run.state != "ok"],
+        "viewer": viewer(report, scene, "../"),
         "TRUTHS": TRUTHS,
         "LITERAL": LITERAL,
     }) for before, scene, after in around)]
