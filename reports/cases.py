@@ -63,11 +63,11 @@ class Case:
 
     @property
     def rank(self) -> tuple:
-        """Sorts cases worst first."""
+        """Sorts cases worst first; what is not installed, or cannot express the scene, is no fault and comes last."""
         worst = max((_closeness(g) for g in self.comparison.gates if not g.holds), default=0.0)
         nearest = max((_closeness(g) for g in self.comparison.gates if g.holds), default=0.0)
-        absent = self.comparison.verdict == "not compared" and self.test.state in STATES and not STATES[self.test.state].is_fault
-        return absent, list(VERDICTS).index(self.comparison.verdict), -worst, -nearest, self.comparison.id
+        state = STATES.get(self.test.state) if self.comparison.verdict == "not compared" else None
+        return state is not None and not state.is_fault, list(VERDICTS).index(self.comparison.verdict), -worst, -nearest, self.comparison.id
 
 
 def scene_page(scene: SceneRecord) -> str:
