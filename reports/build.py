@@ -23,11 +23,11 @@ from .figures import pictures, scale
 from .pages import READERS, Page, Report, all_pages, arrange
 from .pages.decisions import prose
 from .text import words
-from .text.numbers import parts
+from .text.numbers import parts, powers
 
 OUTPUT = Path("reports/html")
 STAMP = ".raytruth-report"  # a file in every report: what it was made from; a folder without it is not ours to replace
-STATIC = ("report.css", "report.js", "planes.js", "errors.js", "export.js", "viewer.js")  # copied as they are
+STATIC = ("report.css", "report.js", "planes.js", "errors.js", "export.js", "viewer.js", "filter.js")  # copied as they are
 MOST_THREADS = 4  # each holds the planes of one scene, about 200 MB; packing and unpacking run in parallel
 
 
@@ -100,7 +100,7 @@ def _write(report: Report, results_folder: Path, folder: Path, progress: Callabl
 def environment() -> Environment:
     templates = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined,
                             trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    templates.filters.update(parts=parts, page_of=scene_page, prose=prose, **{
+    templates.filters.update(parts=parts, powers=powers, page_of=scene_page, prose=prose, **{
         name: getattr(words, name) for name in ("metric", "full_stop", "sentence", "capital", "slug")})
     templates.tests.update(lower_bound=is_lower_bound)
     templates.globals.update(scale=scale, VERDICTS=words.VERDICTS, STATES=words.STATES,
@@ -110,8 +110,11 @@ def environment() -> Environment:
 
 def rendered(templates: Environment, page: Page, report: Report, pages: list[Page]) -> str:
     """`page` as HTML; `pages` are those its bar may lead to."""
+    bar = [p for p in pages if p.nav]
+    first = {p.section: p for p in reversed(bar)}
     return templates.get_template(page.template).render(
-        report=report, root=page.root, path=page.path, bar=[p for p in pages if p.nav], **page.content)
+        report=report, root=page.root, path=page.path, bar=bar, section=page.section,
+        sections=[(name, first[name]) for name in dict.fromkeys(p.section for p in bar)], **page.content)
 
 
 def static(templates: Environment) -> dict[str, str]:

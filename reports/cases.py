@@ -67,7 +67,8 @@ class Case:
         worst = max((_closeness(g) for g in self.comparison.gates if not g.holds), default=0.0)
         nearest = max((_closeness(g) for g in self.comparison.gates if g.holds), default=0.0)
         state = STATES.get(self.test.state) if self.comparison.verdict == "not compared" else None
-        return state is not None and not state.is_fault, list(VERDICTS).index(self.comparison.verdict), -worst, -nearest, self.comparison.id
+        harmless = state is not None and not state.is_fault
+        return harmless, list(VERDICTS).index(self.comparison.verdict), -worst, -nearest, self.comparison.id
 
 
 def scene_page(scene: SceneRecord) -> str:

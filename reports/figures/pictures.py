@@ -21,7 +21,8 @@ from .floats import FloatFile
 from .maps import Ring, Spread, around_worst, spread
 from .planes import NoPlanes, Planes, read
 
-RUNS, ERRORS, EFFECTS = "images/runs", "images/errors", "images/effects"
+RUNS, ERRORS, EFFECTS, THUMBNAILS = "images/runs", "images/errors", "images/effects", "images/thumbnails"
+THUMBNAIL = 160
 SCALE = "images/scale.png"
 
 
@@ -57,11 +58,12 @@ class ScenePictures:
     cases: dict[str, Maps]  # id of the comparison: its maps
     effects: dict[str, Maps]  # id of the effect: its map of colours
     missing: dict[str, str]  # key of a run without pictures: why
+    thumbnail: str = ""  # of the truth's picture; "" where there is none
 
 
 def write_scale(report: Path) -> None:
     """Makes the folders, and the colour bar of every legend: one pixel a level."""
-    for folder in (RUNS, ERRORS, EFFECTS):
+    for folder in (RUNS, ERRORS, EFFECTS, THUMBNAILS):
         (report / folder).mkdir(parents=True)
     write_8_bit(scale.TABLE[None], report / SCALE)
 
@@ -87,7 +89,18 @@ def write_scene(cases: list[Case], effects: list[ShownEffect], results: Path, re
                 runs[run.key] = replace(runs[run.key], floats=floats.write(
                     run.key, planes[run.key], base if run.key != truth else None, limit, report))
     return ScenePictures(runs, {c.comparison.id: _write_case(c, planes, missing, report) for c in cases},
-                         {s.effect.id: _write_effect(s, planes, missing, report) for s in effects}, missing)
+                         {s.effect.id: _write_effect(s, planes, missing, report) for s in effects}, missing,
+                         _write_thumbnail(truth, planes[truth], report) if truth else "")
+
+
+def _write_thumbnail(key: str, planes: Planes, report: Path) -> str:
+    """A picture of about THUMBNAIL pixels' width: the mean of squares of pixels."""
+    height, width = planes.shape
+    step = max(1, min(round(width / THUMBNAIL), height, width))
+    cut = np.clip(np.nan_to_num(planes.color[:height // step * step, :width // step * step]), 0, 1)
+    file = f"{THUMBNAILS}/{slug(key)}.png"
+    write_8_bit(to_8_bit(cut.reshape(height // step, step, width // step, step, 3).mean(axis=(1, 3))), report / file)
+    return file
 
 
 def _write_run(key: str, planes: Planes, report: Path) -> RunPictures:

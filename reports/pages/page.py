@@ -59,7 +59,8 @@ class Page:
     path: str  # of the file, relative to the report
     template: str
     content: dict = field(default_factory=dict)  # what the template sees besides `report`, `root`, `path` and `bar`
-    nav: str = ""  # its name in the bar at the top of every page; "" keeps it out
+    nav: str = ""  # its name in the bars at the top of every page; "" keeps it out
+    section: str = ""  # the entry of the upper bar that it belongs to
     summary: Summary | None = None  # only of a page in the bar
     pictures: dict[str, np.ndarray] = field(default_factory=dict)  # files beside it: path to (h, w, 3) uint8
 
