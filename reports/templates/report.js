@@ -34,7 +34,7 @@ document.addEventListener("keydown", (event) => {
 
 // A link to something folded opens what holds it.
 function unfold() {
-  const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  const target = location.hash && document.getElementById(location.hash.slice(1)); // anchors are plain: see slug
   for (let at = target; at; at = at.parentElement) if (at.tagName === "DETAILS") at.open = true;
   if (target) target.scrollIntoView();
 }

@@ -369,7 +369,6 @@
     const { x, y } = place(event);
     zoomAt(1.2 ** -Math.sign(event.deltaY), x, y);
   }, { passive: false });
-  canvas.addEventListener("dblclick", (event) => zoomAt(3, place(event).x, place(event).y));
 
   for (const name of ["a", "b", "plane", "kind"]) find(name).addEventListener("change", (event) => set({ [name]: event.target.value }));
   for (const name of ["exposure", "split", "most"]) find(name).addEventListener("input", (event) => set({ [name]: Number(event.target.value) }));
