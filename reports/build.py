@@ -31,20 +31,22 @@ STATIC = ("report.css", "report.js", "planes.js", "errors.js", "export.js", "vie
 MOST_THREADS = 4  # each holds the planes of one scene, about 200 MB; packing and unpacking run in parallel
 
 
-def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *,
+def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *, against: str | Path | None = None,
           progress: Callable[[float], None] | None = None) -> Path:
     """Makes the report of the results in `results_folder`; returns the path of its first page.
 
     The same results give the same bytes, and a report made from the same results is left as it is. An earlier
     report in `output_folder` is replaced as a whole, and stays as it is until the new one is complete. `progress` is
-    called with the finished fraction. Raises InputError.
+    called with the finished fraction. `against` is a folder of earlier results, which changes are told against.
+    Raises InputError.
     """
     results_folder, output = Path(results_folder), Path(output_folder).resolve()
     results = comparison.read(results_folder)
     report = arrange(results, {
-        name: read(results_folder) for name, read in READERS.items() if (results_folder / name).exists()}, results_folder)
+        name: read(results_folder) for name, read in READERS.items() if (results_folder / name).exists()}, results_folder,
+        comparison.read(against) if against is not None else None)
     _require_ours(output, results_folder.resolve())
-    made_from = fingerprint(results, results_folder)
+    made_from = fingerprint(results, results_folder, against)
     if is_current(output, made_from):
         if progress is not None:
             progress(1.0)
@@ -122,7 +124,7 @@ def static(templates: Environment) -> dict[str, str]:
     return {name: templates.loader.get_source(templates, name)[0] for name in STATIC}
 
 
-def fingerprint(results: Results, folder: Path) -> str:
+def fingerprint(results: Results, folder: Path, against: str | Path | None = None) -> str:
     """A hash of all that can change a report: the documents, the sizes of the planes, all code, the packages.
 
     Names of planes are hashes of what can change them, so that their contents need not be read.
@@ -135,6 +137,8 @@ def fingerprint(results: Results, folder: Path) -> str:
         path = folder / name
         content = path.read_bytes() if path.is_file() else b""
         digest.update(f"{name} {path.is_file()} {len(content)}\n".encode() + content)
+    if against is not None:
+        digest.update((Path(against) / comparison.FILE).read_bytes())
     for run in results.runs:
         if run.planes is not None:
             path = folder / run.planes

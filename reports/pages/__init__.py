@@ -12,13 +12,13 @@ from pathlib import Path
 
 from comparisons.document import Record
 
-from . import decisions, evidence, front, guide, matrix, plan, scenes, speed, stability, transport
+from . import changes, decisions, evidence, front, guide, matrix, plan, scenes, speed, stability, transport
 from .page import Page, Report, arrange
 
 __all__ = ["READERS", "Page", "Report", "all_pages", "arrange"]
 
 SECTIONS = {  # the entries of the bar, six at most, in its order, and the modules whose pages each leads to
-    "Findings": (front, guide, scenes),
+    "Findings": (front, changes, guide, scenes),
     "Who agrees": (matrix,),
     "Effects": (evidence, transport),
     "Decisions": (decisions,),

@@ -49,6 +49,7 @@ def pages(report: Report) -> list[Page]:
         "agreeing": worst(of["agrees"]),
         "expected": worst(of["expected"]),
         "differing": worst(of["differs"]),
+        "all_literal": all(case.is_literal for case in of["expected"]),
         "renderers": rows,
         "fastest": sorted((row for row in rows if row.slower is not None), key=lambda row: row.slower),
         "speed": speed_chart(report.cases),

@@ -23,6 +23,7 @@ class Report:
     documents: dict[str, Record]  # name of the file: what else was measured; each may be missing
     pictures: dict[str, ScenePictures]  # name of the scene: its files; filled as they are written
     folder: Path  # of the results
+    earlier: Results | None = None  # of the run that changes are told against
 
     def of_scene(self, scene: SceneRecord) -> list[Case]:
         return [case for case in self.cases if case.scene.name == scene.name]
@@ -39,9 +40,11 @@ class Report:
         return next((runs[key].file for key in keys if key in runs), None)
 
 
-def arrange(results: Results, documents: dict[str, Record] | None = None, folder: Path = Path()) -> Report:
+def arrange(results: Results, documents: dict[str, Record] | None = None, folder: Path = Path(),
+            earlier: Results | None = None) -> Report:
     """Everything but the pictures. Raises InputError if the document contradicts itself."""
-    return Report(results, cases(results), failed_runs(results), effects(results), documents or {}, {}, folder)
+    return Report(results, cases(results), failed_runs(results), effects(results), documents or {}, {}, folder,
+                  earlier)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,9 @@ const raytruth = {};
   const loaded = new Map(); // key: a promise of the arrays
   const TYPES = { f8: Float64Array, f4: Float32Array, i4: Int32Array, i1: Int8Array, u1: Uint8Array };
 
-  raytruth.planes = (key, file) => waiting.get(key)?.(file);
+  const arrived = new Map(); // key: the file of a side that nobody has asked for yet, where it stands in the page itself
+
+  raytruth.planes = (key, file) => (waiting.has(key) ? waiting.get(key)(file) : arrived.set(key, file));
 
   // The arrays of a side { key, file }: { width, height, color, t, normal, index, status, limit? }, as it wrote them.
   raytruth.load = (side, sides) => {
@@ -22,6 +24,7 @@ const raytruth = {};
   };
 
   function requested(side) {
+    if (arrived.has(side.key)) return Promise.resolve(arrived.get(side.key));
     return new Promise((take, refuse) => {
       waiting.set(side.key, take);
       const script = document.createElement("script");

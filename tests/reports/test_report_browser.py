@@ -29,6 +29,7 @@ from comparisons.planning import document as planning
 from comparisons.stability import document as stability
 from comparisons.transport import document as transport
 from comparisons.verdicts.metrics import pixel_error, worst_pixels
+from reference_tracer.scene import library
 from reference_tracer.tracer.image_files import to_8_bit
 
 pytestmark = pytest.mark.slow
@@ -356,3 +357,49 @@ def test_the_first_page_filters(visit):
     page.select_option("[data-part=verdict]", "")
     page.fill("[data-part=text]", "no such scene")
     assert page.inner_text("[data-part=matches]") == "0 comparisons on 0 scenes"
+
+
+def test_one_file_shows_a_scene_by_itself(browser, site, tmp_path, pictures):
+    from reports.single import single_file
+
+    results = make_results(pictures["good"].scene)
+    file = single_file(site, results, "figure-05-sphere", tmp_path / "sphere.html")
+    page = browser.new_page()
+    asked = []
+    page.on("request", lambda r: asked.append(r.url))
+    page.on("pageerror", lambda error: asked.append(str(error)))
+    page.goto(f"file://{file}#viewer&a=good&b=bad&row={FAR[0]}&col={FAR[1]}")
+    page.wait_for_selector("#viewer[data-ready='good bad']")
+    assert [float(text) for text in cells(page, "red")[:2]] == [p.color[FAR][0] for p in (pictures["good"], pictures["bad"])]
+    assert page.evaluate(SHOW_ALL) == [] and page.locator("a[href]:not([href^='#'])").count() == 0
+    assert [url for url in asked if not url.startswith(("data:", f"file://{file}"))] == []
+    page.close()
+
+
+def test_ten_thousand_comparisons_are_filtered_within_a_second(browser, tmp_path):
+    from reports.build import environment, rendered, static
+    from reports.figures.pictures import Maps, ScenePictures
+    from reports.pages import arrange, front
+
+    one = make_results(library.scene("figure-05-sphere"))
+    scene, verdicts = one.scenes[0], ("agrees", "agrees", "agrees", "expected", "differs")
+    scenes = [scene.model_copy(update={"name": f"scene-{k}", "title": f"Scene {k}"}) for k in range(2000)]
+    comparisons = [one.comparisons[0].model_copy(update={"id": f"{s.name}--{k}", "scene": s.name, "verdict": verdict, "worst": []})
+                   for s in scenes for k, verdict in enumerate(verdicts)]
+    report = arrange(one.model_copy(update={"scenes": scenes, "comparisons": comparisons}))
+    report.pictures.update({s.name: ScenePictures({}, {c.id: Maps(None, "none") for c in comparisons[5 * k:5 * k + 5]}, {}, {})
+                            for k, s in enumerate(scenes)})
+    templates = environment()
+    for name, text in static(templates).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    pages = [replace(page, section="Findings") for page in front.pages(report)]
+    (tmp_path / "index.html").write_text(rendered(templates, pages[0], report, pages), encoding="utf-8")
+    assert (tmp_path / "index.html").stat().st_size <= 5e6
+    page = browser.new_page()
+    page.goto(f"file://{tmp_path}/index.html")
+    seconds = page.evaluate("""() => { const field = document.querySelector("[data-part=text]"), start = performance.now();
+        field.value = "scene 19"; field.dispatchEvent(new Event("input", { bubbles: true }));
+        document.body.offsetHeight; return (performance.now() - start) / 1000; }""")
+    print(f"filtered 10 000 comparisons in {seconds:.3f} s")
+    assert page.inner_text("[data-part=matches]") == "555 comparisons on 111 scenes" and seconds <= 1
+    page.close()
