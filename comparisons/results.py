@@ -11,7 +11,7 @@ from typing import Literal
 from pydantic import Field
 
 from . import document
-from .attribution.document import Attribution
+from .attribution.document import Attribution, WorstPixel
 from .document import Record
 from .execution.machine import Machine
 
@@ -98,7 +98,8 @@ class Comparison(Record):
                                          "it; empty: nothing")
     gates: list[Gate] = []
     metrics: dict[str, float | int | None] = Field({}, description="every number measured, gated or not")
-    worst: list[dict[str, float | int]] = Field([], description="the pixels of largest error: row, col, error")
+    worst: list[dict[str, float | int]] = Field([], description="the pixels of largest error, one a cluster: row, col, error")
+    histories: list[WorstPixel] = Field([], description="some of them, with every ray of both renderers")
     attribution: Attribution | None = Field(None, description="where the two part first, if they differ")
     command: str
 

@@ -14,6 +14,7 @@ from reference_tracer.scene.model import Scene
 from . import document, effects, renderers, studies
 from .agreement import matrix, records, tightness
 from .attribution.explain import LARGEST, explained
+from .attribution.followed import with_histories
 from .execution.machine import machine
 from .execution.pool import Pool, Progress, Silent
 from .execution.store import require_folder
@@ -80,6 +81,7 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
         comparisons = [_compared(scene, name, runs, measurements)
                        for scene in scenes for name in names[scene.name] if name != TRUTH]
         comparisons = explained(comparisons, [_fitted(scene, LARGEST) for scene in scenes], runs, options.folder, pool)
+        comparisons = with_histories(comparisons, scenes, runs, options.folder, pool)
         rows = tightness.tightness(scenes, options.renderers, runs, measurements) if options.with_studies else []
         found = matrix.matrix(scenes, names, runs, pairs, measurements, comparisons, rows)
         series = [study.series(runs, measurements) for study in planned]

@@ -23,28 +23,30 @@ from .figures import pictures, scale
 from .pages import READERS, Page, Report, all_pages, arrange
 from .pages.decisions import prose
 from .text import words
-from .text.numbers import parts
+from .text.numbers import parts, powers
 
 OUTPUT = Path("reports/html")
 STAMP = ".raytruth-report"  # a file in every report: what it was made from; a folder without it is not ours to replace
-STATIC = ("report.css", "report.js")
+STATIC = ("report.css", "report.js", "planes.js", "errors.js", "export.js", "viewer.js", "filter.js")  # copied as they are
 MOST_THREADS = 4  # each holds the planes of one scene, about 200 MB; packing and unpacking run in parallel
 
 
-def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *,
+def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *, against: str | Path | None = None,
           progress: Callable[[float], None] | None = None) -> Path:
     """Makes the report of the results in `results_folder`; returns the path of its first page.
 
     The same results give the same bytes, and a report made from the same results is left as it is. An earlier
     report in `output_folder` is replaced as a whole, and stays as it is until the new one is complete. `progress` is
-    called with the finished fraction. Raises InputError.
+    called with the finished fraction. `against` is a folder of earlier results, which changes are told against.
+    Raises InputError.
     """
     results_folder, output = Path(results_folder), Path(output_folder).resolve()
     results = comparison.read(results_folder)
     report = arrange(results, {
-        name: read(results_folder) for name, read in READERS.items() if (results_folder / name).exists()}, results_folder)
+        name: read(results_folder) for name, read in READERS.items() if (results_folder / name).exists()}, results_folder,
+        comparison.read(against) if against is not None else None)
     _require_ours(output, results_folder.resolve())
-    made_from = fingerprint(results, results_folder)
+    made_from = fingerprint(results, results_folder, against)
     if is_current(output, made_from):
         if progress is not None:
             progress(1.0)
@@ -100,7 +102,7 @@ def _write(report: Report, results_folder: Path, folder: Path, progress: Callabl
 def environment() -> Environment:
     templates = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined,
                             trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    templates.filters.update(parts=parts, page_of=scene_page, prose=prose, **{
+    templates.filters.update(parts=parts, powers=powers, page_of=scene_page, prose=prose, **{
         name: getattr(words, name) for name in ("metric", "full_stop", "sentence", "capital", "slug")})
     templates.tests.update(lower_bound=is_lower_bound)
     templates.globals.update(scale=scale, VERDICTS=words.VERDICTS, STATES=words.STATES,
@@ -110,8 +112,11 @@ def environment() -> Environment:
 
 def rendered(templates: Environment, page: Page, report: Report, pages: list[Page]) -> str:
     """`page` as HTML; `pages` are those its bar may lead to."""
+    bar = [p for p in pages if p.nav]
+    first = {p.section: p for p in reversed(bar)}
     return templates.get_template(page.template).render(
-        report=report, root=page.root, path=page.path, bar=[p for p in pages if p.nav], **page.content)
+        report=report, root=page.root, path=page.path, bar=bar, section=page.section,
+        sections=[(name, first[name]) for name in dict.fromkeys(p.section for p in bar)], **page.content)
 
 
 def static(templates: Environment) -> dict[str, str]:
@@ -119,7 +124,7 @@ def static(templates: Environment) -> dict[str, str]:
     return {name: templates.loader.get_source(templates, name)[0] for name in STATIC}
 
 
-def fingerprint(results: Results, folder: Path) -> str:
+def fingerprint(results: Results, folder: Path, against: str | Path | None = None) -> str:
     """A hash of all that can change a report: the documents, the sizes of the planes, all code, the packages.
 
     Names of planes are hashes of what can change them, so that their contents need not be read.
@@ -132,6 +137,8 @@ def fingerprint(results: Results, folder: Path) -> str:
         path = folder / name
         content = path.read_bytes() if path.is_file() else b""
         digest.update(f"{name} {path.is_file()} {len(content)}\n".encode() + content)
+    if against is not None:
+        digest.update((Path(against) / comparison.FILE).read_bytes())
     for run in results.runs:
         if run.planes is not None:
             path = folder / run.planes

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import groupby
 
+from comparisons.attribution.document import WorstPixel
 from comparisons.results import Comparison, Effect, Gate, Results, Run, SceneRecord
 from reference_tracer.errors import InputError
 
@@ -37,16 +38,37 @@ class Case:
         return self.test.renderer == "paper"
 
     @property
+    def histories(self) -> list[WorstPixel]:
+        return self.comparison.histories
+
+    def history_anchor(self, pixel) -> str:
+        """Of the rays of a pixel, which has a row and a column."""
+        return f"rays-{self.anchor}-{pixel.row}-{pixel.col}"
+
+    @property
+    def followed(self) -> dict[tuple[int, int], str]:
+        """Row and column of every pixel whose rays are shown: their anchor."""
+        return {(pixel.row, pixel.col): self.history_anchor(pixel) for pixel in self.histories}
+
+    @property
+    def slower(self) -> float | None:
+        """How many times the reference's time a warm picture takes, as far as both have one."""
+        mine, truth = (run.timing.warm or run.timing.first for run in (self.test, self.reference))
+        return mine / truth if mine and truth else None
+
+    @property
     def telling_gates(self) -> list[Gate]:
         """The gates in the order in which they matter: broken ones, then those nearest to their limit."""
         return sorted(self.comparison.gates, key=lambda g: (g.holds, -_closeness(g)))
 
     @property
     def rank(self) -> tuple:
-        """Sorts cases worst first."""
+        """Sorts cases worst first; what is not installed, or cannot express the scene, is no fault and comes last."""
         worst = max((_closeness(g) for g in self.comparison.gates if not g.holds), default=0.0)
         nearest = max((_closeness(g) for g in self.comparison.gates if g.holds), default=0.0)
-        return list(VERDICTS).index(self.comparison.verdict), -worst, -nearest, self.comparison.id
+        state = STATES.get(self.test.state) if self.comparison.verdict == "not compared" else None
+        harmless = state is not None and not state.is_fault
+        return harmless, list(VERDICTS).index(self.comparison.verdict), -worst, -nearest, self.comparison.id
 
 
 def scene_page(scene: SceneRecord) -> str:

@@ -21,6 +21,7 @@ from ..execution.pool import Pool, Progress
 from ..renderers import RENDERERS
 from ..suites import reader
 from ..verdicts import conditioning
+from ..verdicts.metrics import worst_pixels
 from ..verdicts.pictures import verdict_on
 from . import cases, rays
 from .cases import FAULTS, Fault
@@ -41,7 +42,7 @@ from .document import (
 )
 from .stages import COMPARE, Finding, Pictures, camera_fault
 
-WORST, APART = 3, 12  # pixels followed, and how far they lie from each other at least
+WORST = 3  # pixels followed
 TURNABLE = ("hit", "root", "normal", "shading", "shadow")  # what a turned picture may be taken for
 MEANS: dict[Stage, str] = {
     "camera": "the rays that leave the camera (section 2)", "hit": "what a ray hits first (sections 4.1 and 4.2)",
@@ -62,13 +63,15 @@ class Tracer:
 
     title: str
     make: Callable[[Scene], Picture]
-    rays: Callable[[Scene, int, int], History] | None = None  # of the pixel in that row and column; None: not told
+    rays: Callable[[Scene, list[tuple[int, int]]], list[History]] | None = None  # of pixels (row, col); None: not told
 
     def __call__(self, scene: Scene) -> Picture:
         return self.make(scene)
 
-    def history(self, picture: Picture, row: int, col: int) -> History:
-        return self.rays(picture.scene, row, col) if self.rays else rays.of_planes(picture, row, col, self.title)
+    def histories(self, picture: Picture, places: list[tuple[int, int]]) -> list[History]:
+        if self.rays and places:
+            return self.rays(picture.scene, places)
+        return [rays.of_planes(picture, row, col, self.title) for row, col in places]
 
 
 def of_renderer(name: str) -> Tracer:
@@ -76,13 +79,13 @@ def of_renderer(name: str) -> Tracer:
     renderer = renderers.find(name)
     settings, follow = {**renderer.settings, "repeat": False}, None
     if renderer.module == "reference":
-        follow = lambda scene, row, col: rays.ours(Renderer(scene, settings["method"]), row, col, renderer.title)
+        follow = lambda scene, places: rays.ours(Renderer(scene, settings["method"]), places, renderer.title)
     elif renderer.module == "mitsuba":
         from . import mitsuba_rays  # Mitsuba is imported only where it is used
 
         settings["require_native"] = False  # a derived scene may have none of the native shapes that its scene has
-        follow = lambda scene, row, col: mitsuba_rays.rays(scene, row, col, renderer.title, settings["shapes"],
-                                                           settings["resolution"])
+        follow = lambda scene, places: mitsuba_rays.rays(scene, places, renderer.title, settings["shapes"],
+                                                         settings["resolution"])
     else:
         settings = renderer.settings
     return Tracer(renderer.title, lambda scene: renderers.render(name, scene, settings), follow)
@@ -96,7 +99,7 @@ def of_fault(id: str) -> Tracer:
     title = f"reference, wrong on purpose: {fault.title}"
     renderer = lambda scene: Renderer(scene, world=fault.world)
     return Tracer(title, lambda scene: renderer(scene).picture(),
-                  lambda scene, row, col: rays.ours(renderer(scene), row, col, title))
+                  lambda scene, places: rays.ours(renderer(scene), places, title))
 
 
 def attribute(scene: Scene, a: Callable[[Scene], Picture], b: Callable[[Scene], Picture], *,
@@ -169,16 +172,19 @@ def _sentence(stage: Stage, finding: Finding, evidence: list[Evidence]) -> str:
 
 
 def _worst(finding: Finding, a: Tracer, b: Tracer) -> list[WorstPixel]:
-    """The diverging pixels of largest error, apart from each other, their rays followed through both renderers."""
-    error = np.where(finding.mask, finding.error, -1.0)
-    pair, pixels = finding.pair, []
-    while len(pixels) < WORST and error.max() >= 0:
-        row, col = (int(k) for k in np.unravel_index(np.argmax(error), error.shape))
-        pixels.append(WorstPixel(
-            row=row, col=col, difference=float(finding.error[row, col]), color_a=pair.a.color[row, col].tolist(),
-            color_b=pair.b.color[row, col].tolist(), a=a.history(pair.a, row, col), b=b.history(pair.b, row, col)))
-        error[max(0, row - APART):row + APART + 1, max(0, col - APART):col + APART + 1] = -1
-    return pixels
+    """The diverging pixels of largest error, one a cluster, their rays followed through both renderers."""
+    worst = worst_pixels(np.where(finding.mask, finding.error, 0.0), WORST)
+    return followed(a, b, finding.pair.a, finding.pair.b, [(p["row"], p["col"], p["error"]) for p in worst])
+
+
+def followed(a: Tracer, b: Tracer, picture_a: Picture, picture_b: Picture,
+             places: list[tuple[int, int, float]]) -> list[WorstPixel]:
+    """Pixels (row, col, difference) of two pictures of one scene, with their rays in both renderers."""
+    pixels = [(row, col) for row, col, _ in places]
+    return [WorstPixel(row=row, col=col, difference=difference, color_a=picture_a.color[row, col].tolist(),
+                       color_b=picture_b.color[row, col].tolist(), a=of_a, b=of_b)
+            for (row, col, difference), of_a, of_b in zip(places, a.histories(picture_a, pixels),
+                                                          b.histories(picture_b, pixels))]
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,8 @@
-"""All rays of one pixel as Mitsuba's renderer traces them."""
+"""All rays of a pixel as Mitsuba's renderer traces them."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,12 +15,14 @@ from .document import History, Ray
 from .rays import ray_of, shortened
 
 
-def rays(scene: Scene, row: int, col: int, title: str, shapes: str, resolution: int) -> History:
-    """The rays of pixel (row, col)."""
-    tracer = _Recording(scene, convert(scene, shapes, resolution))
-    first, samples = row * scene.camera.width + col, scene.tracing.samples
-    tracer.trace(tracer._camera_rays(first, 1, samples), 2)
-    return shortened(title, tracer.recorded)
+def rays(scene: Scene, places: Sequence[tuple[int, int]], title: str, shapes: str, resolution: int) -> list[History]:
+    """The rays of each of the pixels (row, col)."""
+    tracer, found = _Recording(scene, convert(scene, shapes, resolution)), []
+    for row, col in places:
+        tracer.recorded = []
+        tracer.trace(tracer._camera_rays(row * scene.camera.width + col, 1, scene.tracing.samples), 2)
+        found.append(shortened(title, tracer.recorded))
+    return found
 
 
 class _Recording(_Tracer):

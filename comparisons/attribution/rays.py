@@ -1,6 +1,8 @@
-"""All rays of one pixel: traced once more by the reference, or what another renderer's planes tell of the first."""
+"""All rays of a pixel: traced once more by the reference, or what another renderer's planes tell of the first."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,20 +15,20 @@ MOST_RAYS = 64  # shown of a pixel
 
 
 class _Recorder(Watch):
-    """Notes what every ray of one pixel meets."""
+    """Notes what every ray of some pixels meets, a list of rays for each."""
 
-    def __init__(self, scene: Scene, pixel: int):
-        self.scene, self.pixel, self.rays = scene, pixel, []
+    def __init__(self, scene: Scene, count: int):
+        self.scene, self.rays = scene, [[] for _ in range(count)]
 
     def begin(self, world, first, count):
-        self.world, self.first = world, first
+        self.world = world
 
     def observe(self, wave, interaction) -> None:
         numpy = lambda array: np.atleast_1d(array.numpy()).T
         wide = lambda array, count: np.broadcast_to(array, (count, *array.shape[1:]))
         slot = numpy(wave.slot)
         weight = wide(numpy(wave.weight), len(slot))
-        mine = np.flatnonzero((slot + self.first == self.pixel) & (weight > 0))
+        mine = np.flatnonzero((slot < len(self.rays)) & (weight > 0))
         if not len(mine):
             return
         pick = lambda array: wide(numpy(array), len(slot))[mine]
@@ -37,14 +39,14 @@ class _Recorder(Watch):
             kind = "camera" if wave.generation == 0 else \
                 "refraction" if refracted is not None and refracted[k] else "reflection"
             met = int(index[k]) if index[k] < self.world.object_count else None
-            self.rays.append(ray_of(self.scene, wave.generation, kind, met, *values))
+            self.rays[slot[mine[k]]].append(ray_of(self.scene, wave.generation, kind, met, *values))
 
 
-def ours(renderer: Renderer, row: int, col: int, title: str) -> History:
-    """The rays of pixel (row, col) as the reference tracer traces them."""
-    recorder = _Recorder(renderer.scene, row * renderer.scene.camera.width + col)
-    renderer.picture(watch=recorder)
-    return shortened(title, recorder.rays)
+def ours(renderer: Renderer, places: Sequence[tuple[int, int]], title: str) -> list[History]:
+    """The rays of each of the pixels (row, col) as the reference tracer traces them, with all samples."""
+    recorder = _Recorder(renderer.scene, len(places))
+    renderer.follow([row * renderer.scene.camera.width + col for row, col in places], recorder)
+    return [shortened(title, rays) for rays in recorder.rays]
 
 
 def of_planes(picture: Picture, row: int, col: int, title: str) -> History:

@@ -82,21 +82,27 @@ def make(arguments: dict) -> dict:
     return {"state": "ok"}
 
 
-def key_of(scene: Scene, accuracy: Accuracy, method: str = "exact") -> str:
-    return store.key(scene.hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
-
-
 def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact") -> Limits:
     """The limits of a renderer of `accuracy` on `scene`, against the reference's `method`."""
-    key = key_of(scene, accuracy, method)
-    if (found := kept.arrays(key)) is not None:
-        return Limits(**{name: found[name] for name in Limits.__annotations__})
+    if (found := kept_limits(scene.hash, accuracy, kept, method)) is not None:
+        return found
+    key = key_of(scene.hash, accuracy, method)
     made = _measured(scene, accuracy, method)
     planes = {name: plane.astype(np.float32) * np.float32(UP) if plane.dtype == float else plane
               for name, plane in vars(made).items()}
     store.save(kept.file(key), **planes)
     kept.keep(key, {}, arrays=True)
     return Limits(**planes)
+
+
+def kept_limits(scene_hash: str, accuracy: Accuracy, kept: Store, method: str = "exact") -> Limits | None:
+    """The limits of a renderer of `accuracy`, if they have been measured on the scene of that hash."""
+    found = kept.arrays(key_of(scene_hash, accuracy, method))
+    return found and Limits(**{name: found[name] for name in Limits.__annotations__})
+
+
+def key_of(scene_hash: str, accuracy: Accuracy, method: str) -> str:
+    return store.key(scene_hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
 
 
 def _measured(scene: Scene, accuracy: Accuracy, method: str) -> Limits:

@@ -12,6 +12,7 @@ from reference_tracer.tracer.render import UNDECIDED
 
 VISIBLE = 1 / 255  # one step of an 8-bit picture
 GRAZING = 0.2  # cosine between ray and normal below which a pixel belongs to a silhouette
+WORST, APART = 10, 12  # worst pixels told of a picture, and how far they lie from each other in rows or columns
 NEIGHBOURS = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
 
 Planes = dict[str, np.ndarray]
@@ -104,12 +105,14 @@ def pixel_error(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(error), error, np.nan)
 
 
-def worst_pixels(error: np.ndarray, count: int = 5) -> list[dict[str, float | int]]:
-    """The pixels of largest error, not finite ones first."""
-    rank = np.where(np.isnan(error), np.inf, error).ravel()
-    order = np.argsort(-rank, kind="stable")[:count]
-    return [{"row": int(k // error.shape[1]), "col": int(k % error.shape[1]), "error": float(error.ravel()[k])}
-            for k in order if rank[k] > 0]
+def worst_pixels(error: np.ndarray, count: int = WORST) -> list[dict[str, float | int]]:
+    """The pixels of largest error, not finite ones first, none within APART of another: one a cluster."""
+    left, found = np.where(np.isnan(error), np.inf, error), []
+    while len(found) < count and left.max() > 0:
+        row, col = (int(k) for k in np.unravel_index(np.argmax(left), left.shape))
+        found.append({"row": row, "col": col, "error": float(error[row, col])})
+        left[max(0, row - APART):row + APART + 1, max(0, col - APART):col + APART + 1] = 0
+    return found
 
 
 def _quantile(values: np.ndarray, q: float) -> float | None:

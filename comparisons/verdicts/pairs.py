@@ -16,6 +16,7 @@ from ..execution.pool import Pool, Task, complete
 from ..execution.store import Store
 from ..results import Run, State
 from . import conditioning
+from .conditioning import Accuracy
 from .tolerances import accuracy_of, measurable
 
 FOLDER = "measured"
@@ -42,12 +43,7 @@ class Pair:
 
     @property
     def accuracies(self) -> list[dict]:
-        """What single pixels are held to: the accuracies of the two, one of two that share their geometry; none where
-        nothing is measurable, or both are the truth's."""
-        if not (measurable(self.first) and measurable(self.second)):
-            return []
-        found = [asdict(a) for run in (self.first, self.second) if (a := accuracy_of(run))]
-        return list({repr(a): a for a in found}.values())
+        return [asdict(accuracy) for accuracy in accuracies(self.first, self.second)]
 
     @property
     def tells_depth(self) -> bool:
@@ -63,6 +59,14 @@ class Pair:
     def key(self) -> str:
         return store.key(self.first.key, self.second.key, self.smooth, self.accuracies, self.literal,
                          made_by=("comparisons.verdicts.measure",))
+
+
+def accuracies(first: Run, second: Run) -> list[Accuracy]:
+    """What single pixels are held to: the accuracies of the two, one of two that share their geometry; none where nothing
+    is measurable, or both are the truth's."""
+    if not (measurable(first) and measurable(second)):
+        return []
+    return list({repr(a): a for run in (first, second) if (a := accuracy_of(run))}.values())
 
 
 class Measurements:
@@ -92,7 +96,7 @@ class Measurements:
         kept, tasks = Store(self.results, conditioning.FOLDER), {}
         for pair in pairs:
             for accuracy in pair.accuracies:
-                key = conditioning.key_of(pair.scene, conditioning.accuracy_from(accuracy))
+                key = conditioning.key_of(pair.scene.hash, conditioning.accuracy_from(accuracy))
                 if key not in tasks and kept.find(key, str) is None:
                     tasks[key] = Task(key, f"limits: {pair.scene.name}", "comparisons.verdicts.conditioning:make", {
                         "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results),

@@ -1,7 +1,9 @@
 """Build the HTML report of the results: opens from disk, needs no network.
 
-example:
-  raytruth compare && raytruth report      then open reports/html/index.html
+examples:
+  raytruth compare && raytruth report                     then open reports/html/index.html
+  raytruth report --against earlier-results               says what is better, worse, slower, new and gone
+  raytruth report --scene figure-09-heart --single-file heart.html    one scene's page as one file to send
 """
 
 from __future__ import annotations
@@ -13,10 +15,25 @@ def add_arguments(parser):
     parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=Path("reports/html"),
                         help="default: reports/html")
+    parser.add_argument("--against", metavar="DIR", type=Path, help="results of an earlier run, to tell changes against")
+    parser.add_argument("--scene", metavar="SCENE", help="the scene of --single-file")
+    parser.add_argument("--single-file", metavar="FILE", type=Path,
+                        help="writes the page of --scene, its pictures and numbers included, into this file as well")
 
 
 def run(arguments) -> int:
-    import reports
+    from reference_tracer.errors import InputError
 
-    print(reports.build(arguments.results, arguments.output))
+    if (arguments.single_file is None) != (arguments.scene is None):
+        raise InputError("--single-file and --scene belong together: name the file, and the scene that it shows")
+    import reports
+    from comparisons import results
+
+    index = reports.build(arguments.results, arguments.output, against=arguments.against)
+    if arguments.single_file is None:
+        print(index)
+        return 0
+    from reports.single import single_file
+
+    print(single_file(index.parent, results.read(arguments.results), arguments.scene, arguments.single_file))
     return 0

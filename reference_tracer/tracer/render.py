@@ -148,6 +148,14 @@ class Renderer:
             return Wavefront(self.world, watch.observe, watch.disturb)
         return self._watched.setdefault(id(watch.recorder), Wavefront(self.world, recorder=watch.recorder))
 
+    def follow(self, pixels: Sequence[int], watch: Watch) -> None:
+        """Traces the rays of `pixels`, numbers in row order, and no others; slots count them. `watch` sees every wave."""
+        samples = self.scene.tracing.samples
+        watch.begin(self.world, 0, len(pixels))
+        Wavefront(self.world, watch.observe, watch.disturb).trace(
+            camera_rays(self.world, np.asarray(pixels), samples), len(pixels) * samples**2, max(len(pixels), 2), primary=False)
+        watch.end()
+
     def bands(self, samples: int, rays: int | None = None) -> Iterator[range]:
         """Pixels in row order, as many at a time as `rays` leave room for; whole rows if a row fits."""
         camera = self.scene.camera

@@ -1,35 +1,40 @@
-"""The picture files of a report: each run's pictures once; error maps, four a comparison, one an effect."""
+"""The files of a report's pictures: of each run its colours and its numbers; of each comparison and effect an error map."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
+from comparisons.execution.store import Store, UnwritableError
 from comparisons.results import Run
+from comparisons.verdicts import conditioning
+from comparisons.verdicts.pairs import accuracies
 from reference_tracer.tracer.image_files import to_8_bit, write_8_bit
 
 from ..cases import Case, ShownEffect
 from ..text.words import slug
-from . import maps, scale
-from .maps import Ring, Spread, around_special, around_worst, spread
+from . import floats, maps, scale
+from .floats import FloatFile
+from .maps import Ring, Spread, around_worst, spread
 from .planes import NoPlanes, Planes, read
 
-RUNS, ERRORS, EFFECTS = "images/runs", "images/errors", "images/effects"
+RUNS, ERRORS, EFFECTS, THUMBNAILS = "images/runs", "images/errors", "images/effects", "images/thumbnails"
+THUMBNAIL = 160
 SCALE = "images/scale.png"
 
 
 @dataclass(frozen=True)
 class RunPictures:
-    """Pictures of one run: kind (color, depth, normal, objects) to file, relative to the report.
+    """The picture of one run, relative to the report; its numbers if the viewer shows it."""
 
-    A run that only an effect shows has its colours alone.
-    """
-
-    files: dict[str, str]
+    file: str
     width: int
     height: int
-    depth_range: tuple[float, float]
     undecided: int
+    floats: FloatFile | None = None
 
 
 @dataclass(frozen=True)
@@ -41,9 +46,9 @@ class Map:
 
 @dataclass(frozen=True)
 class Maps:
-    """The error maps of one comparison; without any, `missing` says why."""
+    """The error map of one comparison or effect; without one, `missing` says why."""
 
-    maps: dict[str, Map]
+    color: Map | None
     missing: str = ""
 
 
@@ -53,11 +58,12 @@ class ScenePictures:
     cases: dict[str, Maps]  # id of the comparison: its maps
     effects: dict[str, Maps]  # id of the effect: its map of colours
     missing: dict[str, str]  # key of a run without pictures: why
+    thumbnail: str = ""  # of the truth's picture; "" where there is none
 
 
 def write_scale(report: Path) -> None:
     """Makes the folders, and the colour bar of every legend: one pixel a level."""
-    for folder in (RUNS, ERRORS, EFFECTS):
+    for folder in (RUNS, ERRORS, EFFECTS, THUMBNAILS):
         (report / folder).mkdir(parents=True)
     write_8_bit(scale.TABLE[None], report / SCALE)
 
@@ -73,52 +79,72 @@ def write_scene(cases: list[Case], effects: list[ShownEffect], results: Path, re
             planes[run.key] = read(run, results)
         except NoPlanes as reason:
             missing[run.key] = str(reason)
-    references = [planes[c.reference.key] for c in cases if c.reference.key in planes]
-    span = maps.depth_range((references or list(planes.values()))[0]) if planes else (1.0, 1.0)
-    objects = len(cases[0].scene.objects) if cases else 0
-    whole = {run.key for run in compared}
-    runs = {key: _write_run(key, p, span, objects, report, key in whole) for key, p in planes.items()}
+    runs = {key: _write_run(key, p, report) for key, p in planes.items()}
+    truth = next((c.reference.key for c in cases if c.reference.key in planes), None)
+    base = (truth, planes[truth]) if truth else None
+    for case in cases:
+        for run in (case.reference, case.test):
+            if run.key in planes and runs[run.key].floats is None:
+                limit = _limit(case, planes[run.key], results) if run is case.test else None
+                runs[run.key] = replace(runs[run.key], floats=floats.write(
+                    run.key, planes[run.key], base if run.key != truth else None, limit, report))
     return ScenePictures(runs, {c.comparison.id: _write_case(c, planes, missing, report) for c in cases},
-                         {s.effect.id: _write_effect(s, planes, missing, report) for s in effects}, missing)
+                         {s.effect.id: _write_effect(s, planes, missing, report) for s in effects}, missing,
+                         _write_thumbnail(truth, planes[truth], report) if truth else "")
 
 
-def _write_run(key: str, planes: Planes, span: tuple[float, float], objects: int, report: Path,
-               whole: bool) -> RunPictures:
-    pictures = {"color": to_8_bit(planes.color)}
-    if whole:
-        pictures |= {"depth": maps.depth_picture(planes, span), "normal": maps.normal_picture(planes),
-                     "objects": maps.object_picture(planes, objects)}
-    files = {}
-    for kind, pixels in pictures.items():
-        files[kind] = f"{RUNS}/{slug(key)}-{kind}.png"
-        write_8_bit(pixels, report / files[kind])
+def _write_thumbnail(key: str, planes: Planes, report: Path) -> str:
+    """A picture of about THUMBNAIL pixels' width: the mean of squares of pixels."""
     height, width = planes.shape
-    return RunPictures(files, width, height, span, int(planes.undecided.sum()))
+    step = max(1, min(round(width / THUMBNAIL), height, width))
+    cut = np.clip(np.nan_to_num(planes.color[:height // step * step, :width // step * step]), 0, 1)
+    file = f"{THUMBNAILS}/{slug(key)}.png"
+    write_8_bit(to_8_bit(cut.reshape(height // step, step, width // step, step, 3).mean(axis=(1, 3))), report / file)
+    return file
+
+
+def _write_run(key: str, planes: Planes, report: Path) -> RunPictures:
+    file = f"{RUNS}/{slug(key)}.png"
+    write_8_bit(to_8_bit(planes.color), report / file)
+    height, width = planes.shape
+    return RunPictures(file, width, height, int(planes.undecided.sum()))
+
+
+def _limit(case: Case, planes: Planes, results: Path) -> np.ndarray | None:
+    """How far each pixel's colour may be from the reference's, (h, w); None where that was not measured."""
+    held = accuracies(case.reference, case.test)
+    if not held or not (results / conditioning.FOLDER).is_dir():
+        return None
+    with suppress(UnwritableError, OSError, ValueError, KeyError):
+        kept = Store(results, conditioning.FOLDER)
+        found = [conditioning.kept_limits(case.scene.hash, accuracy, kept) for accuracy in held]
+        if all(limits is not None and limits.color.shape == planes.shape for limits in found):
+            return sum(limits.color for limits in found)
+    return None
 
 
 def _write_case(case: Case, planes: dict[str, Planes], missing: dict[str, str], report: Path) -> Maps:
     problem = _problem(("reference", case.reference), ("renderer under test", case.test), planes, missing)
     if problem:
-        return Maps({}, problem)
+        return Maps(None, problem)
     test = planes[case.test.key]
     errors = maps.errors(planes[case.reference.key], test)
-    rings = {"color": around_worst(case.comparison.worst, test.shape), "objects": around_special(errors)}
-    return Maps({kind: _write_map(error, errors, f"{ERRORS}/{case.anchor}-{kind}.png", report, rings.get(kind, ()))
-                 for kind, error in errors.named().items()})
+    return Maps(_write_map(errors, f"{ERRORS}/{case.anchor}.png", report,
+                           around_worst(case.comparison.worst, test.shape)))
 
 
 def _write_effect(shown: ShownEffect, planes: dict[str, Planes], missing: dict[str, str], report: Path) -> Maps:
     problem = shown.missing or _problem(("run with the decision", shown.baseline), ("run without it", shown.variant),
                                         planes, missing)
     if problem:
-        return Maps({}, problem)
+        return Maps(None, problem)
     errors = maps.errors(planes[shown.baseline.key], planes[shown.variant.key])
-    return Maps({"color": _write_map(errors.color, errors, f"{EFFECTS}/{shown.anchor}.png", report)})
+    return Maps(_write_map(errors, f"{EFFECTS}/{shown.anchor}.png", report))
 
 
-def _write_map(error, errors: maps.Errors, file: str, report: Path, rings: tuple[Ring, ...] = ()) -> Map:
-    write_8_bit(scale.paint(error, errors.mismatch, errors.undecided), report / file)
-    return Map(file, spread(error, errors), rings)
+def _write_map(errors: maps.Errors, file: str, report: Path, rings: tuple[Ring, ...] = ()) -> Map:
+    write_8_bit(scale.paint(errors.color, errors.mismatch, errors.undecided), report / file)
+    return Map(file, spread(errors.color, errors), rings)
 
 
 def _problem(left: tuple[str, Run], right: tuple[str, Run], planes: dict[str, Planes], missing: dict[str, str]) -> str:

@@ -90,6 +90,11 @@ def shown(document: Matrix) -> Shown:
     return Shown(document, _overall(document), [group for group in groups if group[1]], absent)
 
 
+def both(document: Matrix) -> list[tuple[str, Table]]:
+    """All scenes at once by what 99 % of the pixels keep, and by the worst pixel alone."""
+    return [("99 % of all pixels", _overall(document)), ("the worst pixel", _overall(document, "color_max"))]
+
+
 def exponent(error: float) -> str:
     """The power of ten at or above `error`: what it stays below."""
     return str(math.ceil(math.log10(error) - 1e-9)).replace("-", "\N{MINUS SIGN}")
@@ -105,20 +110,20 @@ def _table(document: Matrix, place: Place) -> Table:
             if name in absent:
                 return Cell("", "absent", title=f"{name}: {absent[name].reason}")
         pair = pairs.get(frozenset((a.name, b.name)))
-        return _cell(pair) if pair else Cell("", "absent", title="not compared")
+        return _cell(pair, pair.color_p99) if pair else Cell("", "absent", title="not compared")
 
     return Table(place, f"m-{slug(place.name)}", _rows(document.members, cell, odd))
 
 
-def _overall(document: Matrix) -> Table:
-    """Every pair at its worst scene; the title says which, and on how many they agree."""
+def _overall(document: Matrix, error: str = "color_p99") -> Table:
+    """Every pair at its worst scene by that `error`; the title says which, and on how many they agree."""
     def cell(a: Member, b: Member) -> Cell:
         both = [p for p in document.pairs if {p.first, p.second} == {a.name, b.name}]
         if not both:
             return Cell("", "absent", title="no scene has both")
-        worst = max(both, key=lambda p: math.inf if p.color_p99 is None else p.color_p99)
+        worst = max(both, key=lambda p: math.inf if getattr(p, error) is None else getattr(p, error))
         agreeing = sum(p.agrees for p in both)
-        found = _cell(worst)
+        found = _cell(worst, getattr(worst, error))
         disagree = "expected" if all(p.agrees or p.expected for p in both) else "disagree"
         return Cell(found.text, "agree" if agreeing == len(both) else disagree, found.colour, found.dark,
                     f"agree on {agreeing} of {len(both)} scenes; furthest apart on {worst.scene}: {_numbers(worst)}")
@@ -132,19 +137,19 @@ def _rows(members: list[Member], cell, odd: set[str]) -> list[Row]:
             for letter, a in zip(letters, members)]
 
 
-def _cell(pair: Pair) -> Cell:
+def _cell(pair: Pair, error: float | None) -> Cell:
     style = "agree" if pair.agrees else "expected" if pair.expected else "disagree"
     title = f"{pair.first} and {pair.second}: {_numbers(pair)}" + ("" if pair.agrees else f". {pair.broken}")
-    if pair.color_p99 is None or not math.isfinite(pair.color_p99):
+    if error is None or not math.isfinite(error):
         return Cell("?", style, css(scale.NON_FINITE), False, title)
-    if pair.color_p99 == 0:
+    if error == 0:
         return Cell("=", style, css(scale.EXACT), True, title)
-    level = scale.level(pair.color_p99)
-    return Cell(exponent(max(pair.color_p99, scale.LOW)), style, css(scale.TABLE[level]),
+    level = scale.level(error)
+    return Cell(exponent(max(error, scale.LOW)), style, css(scale.TABLE[level]),
                 bool(level < LIGHT * scale.LEVELS), title)
 
 
 def _numbers(pair: Pair) -> str:
-    p99 = "nothing finite" if pair.color_p99 is None else str(parts(pair.color_p99))
-    return (f"99 % of all pixels within {p99}, {pair.failing} visibly off, {pair.mismatches} see another object "
-            f"(limits for {pair.tolerance})")
+    p99, largest = ("nothing finite" if error is None else str(parts(error)) for error in (pair.color_p99, pair.color_max))
+    return (f"99 % of all pixels within {p99}, the largest difference {largest}, {pair.failing} visibly off, "
+            f"{pair.mismatches} see another object (limits for {pair.tolerance})")

@@ -23,6 +23,7 @@ class Report:
     documents: dict[str, Record]  # name of the file: what else was measured; each may be missing
     pictures: dict[str, ScenePictures]  # name of the scene: its files; filled as they are written
     folder: Path  # of the results
+    earlier: Results | None = None  # of the run that changes are told against
 
     def of_scene(self, scene: SceneRecord) -> list[Case]:
         return [case for case in self.cases if case.scene.name == scene.name]
@@ -36,12 +37,14 @@ class Report:
         found = self.of_scene(scene)
         keys = ([c.reference.key for c in found if c.comparison.against == "model"]
                 + [c.reference.key for c in found] + list(runs))
-        return next((runs[key].files["color"] for key in keys if key in runs), None)
+        return next((runs[key].file for key in keys if key in runs), None)
 
 
-def arrange(results: Results, documents: dict[str, Record] | None = None, folder: Path = Path()) -> Report:
+def arrange(results: Results, documents: dict[str, Record] | None = None, folder: Path = Path(),
+            earlier: Results | None = None) -> Report:
     """Everything but the pictures. Raises InputError if the document contradicts itself."""
-    return Report(results, cases(results), failed_runs(results), effects(results), documents or {}, {}, folder)
+    return Report(results, cases(results), failed_runs(results), effects(results), documents or {}, {}, folder,
+                  earlier)
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,8 @@ class Page:
     path: str  # of the file, relative to the report
     template: str
     content: dict = field(default_factory=dict)  # what the template sees besides `report`, `root`, `path` and `bar`
-    nav: str = ""  # its name in the bar at the top of every page; "" keeps it out
+    nav: str = ""  # its name in the bars at the top of every page; "" keeps it out
+    section: str = ""  # the entry of the upper bar that it belongs to
     summary: Summary | None = None  # only of a page in the bar
     pictures: dict[str, np.ndarray] = field(default_factory=dict)  # files beside it: path to (h, w, 3) uint8
 

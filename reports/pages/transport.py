@@ -83,11 +83,11 @@ def _shown(record: CaseRecord, folder: Path) -> ShownCase:
     painted = scale.paint(error, np.zeros_like(compared), np.zeros_like(compared))
     painted[~compared] = LEFT_OUT
     pixels = {f"{name}-{plane}.png": to_8_bit(planes[plane]) for plane in ("document", "mitsuba")}
-    pictures = tuple(RunPictures({"color": file}, compared.shape[1], compared.shape[0], (1.0, 1.0), 0) for file in pixels)
+    pictures = tuple(RunPictures(file, compared.shape[1], compared.shape[0], 0) for file in pixels)
     return ShownCase(record, pictures, Map(f"{name}-error.png", _spread(error[compared])), float(compared.mean()), "",
                      {**pixels, f"{name}-error.png": painted})
 
 
 def _spread(error: np.ndarray):
     none = np.zeros(error.shape, bool)
-    return spread(error, Errors(error, error, error, error, nothing=none, mismatch=none, undecided=none))
+    return spread(error, Errors(error, nothing=none, mismatch=none, undecided=none))

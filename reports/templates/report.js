@@ -31,3 +31,12 @@ document.addEventListener("keydown", (event) => {
   if (event.key === "Escape") close();
   else if ("123".includes(event.key)) show(current, Number(event.key) - 1);
 });
+
+// A link to something folded opens what holds it.
+function unfold() {
+  const target = location.hash && document.getElementById(location.hash.slice(1)); // anchors are plain: see slug
+  for (let at = target; at; at = at.parentElement) if (at.tagName === "DETAILS") at.open = true;
+  if (target) target.scrollIntoView();
+}
+addEventListener("hashchange", unfold);
+addEventListener("DOMContentLoaded", unfold);

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 MINUS, THIN = "\N{MINUS SIGN}", "\N{NARROW NO-BREAK SPACE}"
 PLAIN_FROM, PLAIN_BELOW = 0.01, 1e5  # between these a number is written without a power of ten
 NEAR_ONE, MOST_DECIMALS = 0.005, 7
-RAISED = str.maketrans(MINUS + "0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+RAISED = str.maketrans(MINUS + "0123456789n", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ⁿ")
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,11 @@ def power(value: float) -> Number:
     mantissa, exponent = f"{value:.2e}".split("e")
     mantissa = _without_idle_zeros(mantissa, f"{mantissa}e{exponent}", value)
     return Number("" if mantissa == "1" else _signed(mantissa), _signed(str(int(exponent))))
+
+
+def powers(text: str) -> str:
+    """A formula as plain text, 2^-16 say, with its exponents raised."""
+    return re.sub(r"\^(-?[0-9n]+)", lambda found: found[1].replace("-", MINUS).translate(RAISED), text)
 
 
 def _near_one(value: float) -> Number:

@@ -90,6 +90,26 @@ METRICS = {
 }
 
 
+GLOSSARY = {
+    "99 % of all pixels within x": "sort the differences of all pixels of a picture, background included: 99 of 100 are at "
+                                   "most x. Where only some pixels are meant, the page says which",
+    "channel": "red, green or blue. Values are linear: 1 is full white, one step of an 8-bit picture is 1/255",
+    "cluster": "pixels less than 13 rows and columns apart; of each cluster the worst pixel alone is listed",
+    "depth": "the distance t from the camera along the ray through the pixel’s centre; its error is relative to t",
+    "interior pixel": "a pixel whose eight neighbours see the same object, and whose ray meets it at a cosine above 0.2",
+    "largest difference": "the maximum over all channels of all pixels",
+    "limit of a pixel": "how far its colour may be from the truth’s, by the precision of the renderer and the error of its "
+                        "surfaces; measured by disturbing the reference’s own rays (raytruth sensitivity)",
+    "literal method": "the document’s root search to the letter: fixed steps, then Newton’s method from the middle of a step",
+    "pixel off by more than 1/255": "a pixel one of whose channels differs by more than one step of an 8-bit picture",
+    "proven": "followed from interval arithmetic or an exact computation; nothing sampled is called so",
+    "sampled": "checked on chosen rays, pixels or perturbations: what was not chosen may differ",
+    "truth": "the reference with exact intersections; where it cannot decide a ray, it says undecided",
+    "undecided": "rounding does not allow to say what the ray hits; such pixels judge nobody",
+    "warm picture": "the second one in a row: everything is compiled and converted",
+}
+
+
 @dataclass(frozen=True)
 class Metric:
     label: str

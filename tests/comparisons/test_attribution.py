@@ -166,12 +166,12 @@ def test_histories_add_up_to_the_pixel_on_both_sides():
     picture = ours(scene)
     deepest = np.unravel_index(np.argmax(np.where(picture.index == 3, picture.depth, 0)), picture.depth.shape)
     for one in (ours, theirs):
-        history = one.rays(scene, *map(int, deepest))
+        history, = one.rays(scene, [tuple(map(int, deepest))])
         total = sum(ray.weight * np.array(ray.color) for ray in history.rays)
         assert np.allclose(total, picture.color[deepest], atol=1e-5)
         assert history.rays[0].kind == "camera" and history.rays[0].object == "both"
         assert {r.kind for r in history.rays if r.generation == 1} == {"reflection", "refraction"}
-    a, b = (one.rays(scene, *map(int, deepest)) for one in (ours, theirs))
+    a, b = (one.rays(scene, [tuple(map(int, deepest))])[0] for one in (ours, theirs))
     assert [(r.generation, r.kind, r.object, r.lights) for r in a.rays] == [
         (r.generation, r.kind, r.object, r.lights) for r in b.rays]
 

@@ -5,11 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from report_support import ERROR_AT, HEIGHT, MISMATCH_AT, NAN_AT, UNDECIDED_AT, WIDTH, make_results
+from report_support import ERROR_AT, HEIGHT, MISMATCH_AT, NAN_AT, UNDECIDED_AT, WIDTH, make_folder
 
-from comparisons import results as documents
 from reference_tracer.scene import library
-from reference_tracer.tracer.image_files import save_npz
 from reference_tracer.tracer.render import UNDECIDED, Picture, render
 
 
@@ -30,9 +28,4 @@ def pictures() -> dict[str, Picture]:
 @pytest.fixture
 def folder(tmp_path, pictures) -> Path:
     """A results folder with an agreeing, a differing and an expected case, a crash, a refusal and a missing file."""
-    results = tmp_path / "results"
-    (results / documents.RUNS).mkdir(parents=True)
-    for name, picture in pictures.items():
-        save_npz(picture, results / documents.RUNS / f"{name}.npz")
-    documents.write(make_results(pictures["good"].scene), results)
-    return results
+    return make_folder(tmp_path / "results", pictures)

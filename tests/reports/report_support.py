@@ -1,9 +1,11 @@
 """A results document with every kind of case, and the faults put into its pictures."""
 
 import re
+from pathlib import Path
 
 from comparisons import results as documents
 from comparisons.results import Comparison, Gate, Machine, Results, Run, SceneRecord, Series, Timing
+from reference_tracer.tracer.image_files import save_npz
 
 WIDTH, HEIGHT = 32, 24
 HOSTILE = "<script>alert('x')</script>\"&"
@@ -29,6 +31,15 @@ def make_results(scene) -> Results:
                       packages={"numpy": "2"}, source="0" * 64)
     return Results(created="2025-01-02T03:04:05+00:00", seconds=1.5, machine=machine, scenes=[record, empty], runs=runs,
                    comparisons=comparisons, series=[series])
+
+
+def make_folder(results: Path, pictures: dict) -> Path:
+    """A results folder with those pictures of runs, by the name of the run."""
+    (results / documents.RUNS).mkdir(parents=True)
+    for name, picture in pictures.items():
+        save_npz(picture, results / documents.RUNS / f"{name}.npz")
+    documents.write(make_results(pictures["good"].scene), results)
+    return results
 
 
 def make_run(name: str, state: str = "ok", message: str = "") -> Run:

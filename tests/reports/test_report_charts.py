@@ -9,7 +9,7 @@ from report_support import HOSTILE, marks_of
 from comparisons.results import Series
 from reports.build import STATIC, environment, static
 from reports.figures.charts import HEIGHT, MARKS, MOST_TICKS, PAGE, WIDTH, Axis, Line, chart, log_ticks
-from reports.pages.scenes import study
+from reports.pages.front import study
 
 
 def drawn(*lines: Line, nothing=0.0, few=False, **more) -> str:

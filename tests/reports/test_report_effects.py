@@ -60,7 +60,7 @@ def test_an_effect_shows_both_pictures_and_their_errors_on_the_fixed_scale(folde
     documents.write(with_effects(effect("whole", "E1")), folder)
     html = reports.build(folder, tmp_path / "html").parent
     page = (html / "effects.html").read_text(encoding="utf-8")
-    for file in ("images/runs/good-color.png", "images/runs/bad-color.png", "images/effects/whole.png"):
+    for file in ("images/runs/good.png", "images/runs/bad.png", "images/effects/whole.png"):
         assert file in page
     image = oiio.ImageBuf(str(html / "images/effects/whole.png")).get_pixels(oiio.UINT8)
     for place, error in ERROR_AT.items():
@@ -72,10 +72,10 @@ def test_a_run_that_only_an_effect_shows_has_its_colours_alone(folder, tmp_path,
     compared = [c for c in results.comparisons if c.test != "paper"]
     documents.write(results.model_copy(update={"comparisons": compared}), folder)
     html = reports.build(folder, tmp_path / "html").parent
-    assert [p.name for p in html.glob("images/runs/paper-*")] == ["paper-color.png"]
+    assert [p.name for p in html.rglob("paper*")] == ["paper.png"]
     import OpenImageIO as oiio
 
-    shown = oiio.ImageBuf(str(html / "images/runs/paper-color.png")).get_pixels(oiio.UINT8)
+    shown = oiio.ImageBuf(str(html / "images/runs/paper.png")).get_pixels(oiio.UINT8)
     assert np.array_equal(shown, to_8_bit(pictures["paper"].color))
 
 

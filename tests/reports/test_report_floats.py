@@ -1,0 +1,71 @@
+"""The numbers beside a page: unpacked by the rule that the file states, they are the picture's to the last bit."""
+
+import base64
+import json
+import re
+import zlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from report_support import HOSTILE, make_run
+
+from reports.figures import floats
+from reports.figures.planes import read
+
+
+def unpacked(path, base=None) -> dict[str, np.ndarray]:
+    """What the docstring of `floats` says, backwards."""
+    key, text = re.fullmatch(r"raytruth\.planes\((\"(?:[^\"\\\\]|\\\\.)*\"),(.*)\);\n", path.read_text(encoding="utf-8")).groups()
+    found = {"key": json.loads(key), **json.loads(text)}
+    for name, plane in found["planes"].items():
+        kind, raw = np.dtype("<" + plane["type"]), zlib.decompress(base64.b64decode(plane["data"]))
+        bits = np.frombuffer(raw, np.uint8).reshape(kind.itemsize, -1).T.copy()
+        if plane["xor"]:
+            bits ^= np.where(np.isnan(base[name]), 0, base[name]).astype(kind).reshape(-1, 1).view(np.uint8)
+        found[name] = bits.reshape(-1).view(kind)
+    return found
+
+
+@pytest.fixture
+def sides(folder):
+    return {name: read(make_run(name), folder) for name in ("good", "bad", "paper")}
+
+
+def test_every_number_comes_back(sides, tmp_path):
+    base = unpacked(tmp_path / floats.write("good", sides["good"], None, None, tmp_path).file)
+    for name in ("bad", "paper"):
+        told = floats.write(name, sides[name], ("good", sides["good"]), None, tmp_path)
+        found = unpacked(tmp_path / told.file, base)
+        assert found["base"] == "good" and told.bits == 64 and told.size == (tmp_path / told.file).stat().st_size
+        for plane in ("color", "t", "index", "status"):
+            assert np.array_equal(found[plane], getattr(sides[name], plane).ravel(), equal_nan=plane in ("color", "t"))
+        assert np.array_equal(found["normal"], sides[name].normal.astype(np.float32).ravel(), equal_nan=True)
+
+
+def test_another_base_gives_other_numbers(sides, tmp_path):
+    told = floats.write("paper", sides["paper"], ("good", sides["good"]), None, tmp_path)
+    wrong = {name: array + 1 for name, array in unpacked(
+        tmp_path / floats.write("good", sides["good"], None, None, tmp_path).file).items() if isinstance(array, np.ndarray)}
+    assert not np.array_equal(unpacked(tmp_path / told.file, wrong)["color"], sides["paper"].color.ravel())
+
+
+def test_a_picture_close_to_the_truth_takes_less_room(sides, tmp_path):
+    alone = floats.write("paper", sides["paper"], None, None, tmp_path).size
+    assert floats.write("paper", sides["paper"], ("good", sides["good"]), None, tmp_path).size < 0.6 * alone
+
+
+def test_single_precision_is_kept_only_where_it_holds_every_value(sides, tmp_path):
+    single = replace(sides["good"], color=sides["good"].color.astype(np.float32).astype(float))
+    told = floats.write("x", single, None, None, tmp_path)
+    assert told.bits == 32 and np.array_equal(unpacked(tmp_path / told.file)["color"], single.color.ravel())
+    single.color[0, 0, 0] = 0.1  # no number of 32 bits
+    assert floats.write("x", single, None, None, tmp_path).bits == 64
+
+
+def test_limits_go_along_and_names_are_texts(sides, tmp_path):
+    limit = np.full(sides["good"].shape, 0.25)
+    told = floats.write(HOSTILE, sides["good"], None, limit, tmp_path)
+    found = unpacked(tmp_path / told.file)
+    assert told.has_limit and (found["limit"] == 0.25).all() and found["key"] == HOSTILE
+    assert re.fullmatch(r"planes/[a-z0-9-]+\.js", told.file)
