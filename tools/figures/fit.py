@@ -20,14 +20,16 @@ from scipy.optimize import least_squares
 from reference_tracer.errors import InputError
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.render import Renderer
 
-from .pixels import colors
+from .pixels import METHOD, colors
 
 PIXELS = 3000  # that a fit looks at: some hundreds a number are enough
 MOST_BLOCK = 16  # pixels a side of the coarsest blocks; then a quarter of it, then pixels
 EDGE = 12  # grey levels among a pixel's neighbours, from which on one of them may lie beyond an edge
-SAMPLES = 2  # n x n of a block: its mean is compared, not its centre
+SAMPLES = 4  # n x n of a block: its mean is compared, not its centre
 STEP = 1e-5  # of a number, or of 1 if it is smaller, for derivatives: far above what fp64 rounds, far below a grey level
+STRIDE = 1e-3  # the same for blocks, times their side: edges have to pass samples, or nothing tells how they move
 REACH = 4  # grey levels: what differs by more is of an edge that was missed, and does not count as noise
 ROUNDS = 3  # of the last pass: the edges are found anew with the numbers so far
 JUMP = 1  # grey levels: what changes by more over a step has jumped from one object to another
@@ -156,6 +158,9 @@ def _spread(picture: np.ndarray, size: int) -> np.ndarray:
 
 def _solved(numbers: Numbers, start: np.ndarray, wanted: np.ndarray, chosen: np.ndarray, block: int):
     """SciPy's answer for the blocks `chosen`, whose levels are `wanted` (n, 3)."""
+    recorded = Renderer(numbers.scene(start), METHOD)
+    step, jump = (STRIDE * block, math.inf) if block > 1 else (STEP, JUMP)
+
     def residuals(values) -> np.ndarray:
         try:
             scene = numbers.scene(values)
@@ -163,15 +168,15 @@ def _solved(numbers: Numbers, start: np.ndarray, wanted: np.ndarray, chosen: np.
             return np.full(wanted.size, 255.0)
         if block > 1:
             scene = scene.resized(scene.camera.width // block, scene.camera.height // block, SAMPLES)
-        found = 255 * np.nan_to_num(colors(scene, chosen)).clip(0, 1)
+        found = 255 * np.nan_to_num(colors(scene, chosen, recorded)).clip(0, 1)
         return (found - wanted).ravel()
 
     def jacobian(values) -> np.ndarray:
         here, columns = residuals(values), []
         for k, value in enumerate(values):
             moved = values.copy()
-            moved[k] += STEP * max(1, abs(value))
+            moved[k] += step * max(1, abs(value))
             columns.append((residuals(moved) - here) / (moved[k] - value))
-        return np.where(np.abs(columns) < JUMP / STEP, columns, 0).T
+        return np.where(np.abs(columns) < jump / step, columns, 0).T
 
     return least_squares(residuals, start, jacobian, loss="soft_l1", f_scale=1.0, x_scale="jac", max_nfev=20, ftol=1e-6)
