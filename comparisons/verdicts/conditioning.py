@@ -101,7 +101,7 @@ def kept_limits(scene_hash: str, accuracy: Accuracy, kept: Store, method: str = 
     return found and Limits(**{name: found[name] for name in Limits.__annotations__})
 
 
-def key_of(scene_hash: str, accuracy: Accuracy, method: str) -> str:
+def key_of(scene_hash: str, accuracy: Accuracy, method: str = "exact") -> str:
     return store.key(scene_hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
 
 

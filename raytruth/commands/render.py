@@ -4,6 +4,7 @@ examples:
   raytruth render figure-05-sphere -o sphere.png
   raytruth render my-scene.json -o out.exr --method paper --step-size 0.05
   raytruth render figure-17-scene1 -o out.png --size 640x480 --samples 4
+  raytruth render figure-10-refraction-n0.8 -o figure.png --as-published --method paper
   raytruth render figure-07-torus -o torus.npz --with mitsuba-mesh --set resolution=128
 
 PNG holds the 8-bit picture; EXR all planes (colour, depth, position, normal, object, status) as floats; NPZ all
@@ -35,6 +36,8 @@ def add_arguments(parser):
                         help="another renderer, e.g. mitsuba-native, mitsuba-mesh, embree or povray")
     parser.add_argument("--set", dest="settings", action="append", default=[], metavar="KEY=VALUE",
                         help="a setting of that renderer, e.g. resolution=128")
+    parser.add_argument("--as-published", action="store_true", help="as the document's figure shows it, not as its text says "
+                        "(elsewhere: SCENE@published)")
     parser.add_argument("--size", metavar="WxH", type=size, help="picture size instead of the scene's")
     parser.add_argument("--samples", type=whole(-1), metavar="N", help="N x N samples a pixel instead of the scene's")
     parser.add_argument("--step-size", type=float, metavar="H", help="step size instead of the scene's")
@@ -51,7 +54,7 @@ def add_arguments(parser):
 
 def run(arguments) -> int:
     from reference_tracer.errors import InputError
-    from reference_tracer.scene.library import find
+    from reference_tracer.scene.library import PUBLISHED, find
     from reference_tracer.tracer.image_files import require_writable, save
 
     output = Path(arguments.output)
@@ -63,7 +66,7 @@ def run(arguments) -> int:
             if getattr(arguments, name) is not None:
                 raise InputError(f"--{name}: is an option of raytruth's own tracer; leave it out with --with "
                                  f"{arguments.renderer}, which takes its settings by --set")
-    scene = _adjusted(find(arguments.scene), arguments)
+    scene = _adjusted(find(arguments.scene + PUBLISHED * arguments.as_published), arguments)
     start = time.perf_counter()
     picture = _with_other_renderer(scene, arguments) if arguments.renderer else _with_ours(scene, arguments)
     picture.metadata.setdefault("seconds", time.perf_counter() - start)  # others tell their phases

@@ -11,6 +11,8 @@ from .model import Scene
 
 _DOCUMENTS, _EFFECTS = files(__package__) / "documents", files(__package__) / "effects"
 
+PUBLISHED = "@published"  # behind a scene's name: its figure's form
+
 
 @cache
 def names() -> tuple[str, ...]:
@@ -39,6 +41,8 @@ def scene(name: str) -> Scene:
 
 
 def find(name_or_path: str) -> Scene:
-    """A shipped scene by its name, or a scene file by its path. Raises InputError."""
-    is_path = "/" in name_or_path or name_or_path.endswith(".json")
-    return load_scene(name_or_path) if is_path else scene(name_or_path)
+    """A shipped scene by its name, or a scene file by its path; with @published behind it, as the document's figure shows
+    it (`Scene.figure_form`). Raises InputError."""
+    name, _, form = name_or_path.rpartition("@") if name_or_path.endswith(PUBLISHED) else (name_or_path, "", "")
+    found = load_scene(name) if "/" in name or name.endswith(".json") else scene(name)
+    return found.figure_form() if form else found

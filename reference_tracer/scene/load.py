@@ -58,9 +58,15 @@ def parse_scene(data: bytes, source: str = "scene") -> Scene:
     if not isinstance(document, dict):
         raise InputError(f'{source}: must be a JSON object {{"camera": ..., "objects": [...], ...}}')
     try:
-        return Scene.model_validate_json(text.lstrip("\ufeff"))
+        scene = Scene.model_validate_json(text.lstrip("\ufeff"))
     except ValidationError as error:
         raise InputError(f"{source}: {one_line(error)}") from None
+    try:
+        if scene.as_published is not None:
+            scene.figure_form()
+    except ValidationError as error:
+        raise InputError(f"{source}: with as_published: {one_line(error)}") from None
+    return scene
 
 
 class _Refused(Exception):

@@ -7,8 +7,9 @@ import json
 import math
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, JsonValue, model_serializer, model_validator
 
+from ..errors import InputError
 from ..surfaces import AnySurface
 from ..surfaces.surface import Finite, Length, Vector
 from .promises import broken
@@ -18,6 +19,7 @@ MOST_LIGHTS = 64
 LONGEST_SIDE = 16384  # pixels
 MOST_PIXELS = 2**26
 MOST_STEPS = 1_000_000
+AS_PUBLISHED = "-as-published"  # behind the name of a scene that is taken as its figure shows it
 
 
 Fraction = Annotated[float, Field(ge=0, le=1)]
@@ -186,6 +188,31 @@ class Tracing(Part):
         return self
 
 
+class AsPublished(Part):
+    """What the document's figure shows where its text says otherwise: a JSON merge patch (RFC 7386) of the scene."""
+
+    camera: dict[str, JsonValue] | None = None
+    objects: list[JsonValue] | None = Field(None, description="like every list of a merge patch, in place of the scene's")
+    lights: list[JsonValue] | None = None
+    background: list[JsonValue] | None = None
+    tracing: dict[str, JsonValue] | None = None
+
+    @model_serializer(mode="wrap")
+    def _written(self, handler):
+        return {key: value for key, value in handler(self).items() if key in self.model_fields_set}  # null would remove
+
+    def __hash__(self):
+        return hash(self.model_dump_json())
+
+
+def _merged(target, patch):
+    """`target` changed by a JSON merge patch: objects key by key, null removes, all else replaces."""
+    if not isinstance(patch, dict):
+        return patch
+    kept = {key: value for key, value in target.items() if patch.get(key, ...) is not None} if isinstance(target, dict) else {}
+    return kept | {key: _merged(kept.get(key), value) for key, value in patch.items() if value is not None}
+
+
 class Scene(Part):
     """A whole scene: what is seen, from where, in what light, and how it is traced."""
 
@@ -197,12 +224,14 @@ class Scene(Part):
     figure: ShortText = Field(default="", description="the figure of the document this scene reproduces")
     description: Annotated[str, Field(max_length=2000)] = Field(default="", description="what the picture shows, in words")
     estimates: Annotated[str, Field(max_length=2000)] = Field(
-        default="", description="which values were not given and were chosen by eye (decision S1)")
+        default="", description="which values are published, which were fitted to the figure, and which chosen by eye (S1)")
     camera: Camera = Camera()
     objects: Annotated[tuple[Object, ...], Field(min_length=1, max_length=MOST_OBJECTS)]
     lights: Annotated[tuple[Light, ...], Field(max_length=MOST_LIGHTS)] = ()
     background: tuple[Intensity, Intensity, Intensity] = (0.0, 0.0, 0.0)
     tracing: Tracing = Tracing()
+    as_published: AsPublished | None = Field(
+        None, description="what is otherwise in the document's figure (F1-F5): a merge patch of this scene; empty: nothing")
 
     @model_validator(mode="after")
     def _keeps_its_promises(self):
@@ -217,11 +246,22 @@ class Scene(Part):
     @property
     def hash(self) -> str:
         """SHA-256 of everything that can change a pixel; names and descriptions do not count."""
-        content = self.model_dump(mode="json", by_alias=True,
-                                  exclude={"schema_", "name", "title", "figure", "description", "estimates"})
+        content = self.model_dump(mode="json", by_alias=True, exclude={"schema_", "name", "title", "figure", "description",
+                                                                      "estimates", "as_published"})
         for object_ in content["objects"]:
             object_.pop("name")
         return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+    def figure_form(self) -> Scene:
+        """The scene as the document's figure shows it: this one, which is what the text says, with `as_published` merged in.
+
+        Raises InputError if the scene does not tell of its figure, pydantic's ValidationError if the patch makes no scene.
+        """
+        if self.as_published is None:
+            raise InputError(f'{self.name}: has no "as_published", which would say what its figure shows; leave it as it is')
+        text = self.model_dump(mode="json", by_alias=True, exclude={"as_published"})
+        patch = {"name": f"{self.name[:80 - len(AS_PUBLISHED)]}{AS_PUBLISHED}", **self.as_published.model_dump(mode="json")}
+        return Scene.model_validate_json(json.dumps(_merged(text, patch)))
 
     def resized(self, width: int, height: int, samples: int | None = None) -> Scene:
         """The same scene at another picture size and, if given, another number of samples per axis."""

@@ -333,3 +333,16 @@ def test_no_shipped_scene_is_too_large_for_a_command_that_is_allowed_nothing(com
     beside = import_module(f"raytruth.commands.{command}").BESIDE
     for name in (*library.names(), *library.effects()):
         assert estimate.memory(library.find(name), PLANES, beside) <= memory.UNASKED * memory.GIB, name
+
+
+def test_a_scene_as_published(capsys, tmp_path):
+    """The figure's form by the option and by the name's ending; one that does not tell of its figure is refused."""
+    from reference_tracer.scene import library
+
+    for words in (["figure-05-sphere", "--as-published"], ["figure-05-sphere@published"]):
+        code, out, _ = run(capsys, "render", *words, "--size", "8x6", "-o", tmp_path / "out.npz", "--json")
+        told = json.loads(out)
+        assert code == 0 and told["scene_hash"] == library.scene("figure-05-sphere").figure_form().resized(8, 6).hash
+        assert told["scene_hash"] != library.scene("figure-05-sphere").resized(8, 6).hash
+    code, _, err = run(capsys, "render", "effect-shadow", "--as-published", "-o", tmp_path / "out.npz")
+    assert code == 2 and "as_published" in err

@@ -8,7 +8,7 @@ import pytest
 from reference_tracer.errors import InputError
 from reference_tracer.scene import library
 from reference_tracer.scene.load import LARGEST_FILE, load_scene, parse_scene
-from reference_tracer.scene.model import LONGEST_SIDE, Scene, json_schema
+from reference_tracer.scene.model import LONGEST_SIDE, Scene, Tracing, json_schema
 
 BALL = {"surface": {"type": "sphere", "center": [0, 0, 5], "r": 1}}
 GOOD = {"name": "good", "camera": {"width": 8, "height": 6}, "objects": [BALL], "lights": [{"position": [0, 3, 0]}],
@@ -225,3 +225,55 @@ def test_the_schema_refuses_what_the_reader_refuses():
                  "a huge picture",
                  "half a pixel", "an unknown law", "a colour above one", "unknown surface", "a centre in four"):
         assert not conforms(json.loads(MALFORMED[name][1]), schema, schema), name
+
+
+# --- as_published --------------------------------------------------------------------------------------------------
+def published(patch) -> bytes:
+    return json.dumps({**GOOD, "camera": {"width": 8, "height": 6, "fov": 40, "v_x": [1, 0, 0]},
+                       "as_published": patch}).encode()
+
+
+def test_as_published_is_a_merge_patch_of_the_scene():
+    """RFC 7386: keys are merged, null removes, lists are replaced."""
+    scene = parse_scene(published({"camera": {"v_x": None, "width": 4}, "lights": [], "tracing": {"lights": "balanced"}}))
+    figure = scene.figure_form()
+    assert (figure.camera.v_x, figure.camera.width, figure.camera.height, figure.camera.fov) == (None, 4, 6, 40)
+    assert figure.lights == () and figure.tracing.lights == "balanced" and figure.tracing.step_size == 0.1
+    assert figure.objects == scene.objects and figure.as_published is None and figure.name == "good-as-published"
+    assert scene.camera.width == 8 and len(scene.lights) == 1 and scene.tracing.lights == "sum"  # the text's form stays
+
+
+def test_the_text_s_form_is_hashed_without_as_published():
+    plain = parse_scene(json.dumps({**GOOD, "camera": {"width": 8, "height": 6, "fov": 40, "v_x": [1, 0, 0]}}).encode())
+    nothing, other = parse_scene(published({})), parse_scene(published({"tracing": {"ambient": 0.1}}))
+    assert plain.hash == nothing.hash == other.hash == nothing.figure_form().hash != other.figure_form().hash
+    with pytest.raises(InputError, match="as_published"):
+        plain.figure_form()
+
+
+def test_as_published_outlives_writing_and_reading():
+    scene = parse_scene(published({"camera": {"v_x": None}, "lights": []}))
+    again = parse_scene(scene.model_dump_json(by_alias=True).encode())
+    assert again == scene and again.figure_form() == scene.figure_form() and hash(again) == hash(scene)
+
+
+@pytest.mark.parametrize("patch, word", [
+    (3, "as_published: must be an object"), ({"name": "x"}, "as_published.name"), ({"camera": 3}, "as_published.camera"),
+    ({"camera": {"fov": 200}}, "with as_published: camera.fov: must be less than 180"),
+    ({"objects": []}, "with as_published: objects"), ({"objects": None}, "with as_published: objects: is missing"),
+    ({"tracing": {"light": "sum"}}, "tracing.light: is not a key this place knows; did you mean lights"),
+    ({"objects": [{"surface": {"type": "sphere", "r": -1}}]}, r"with as_published: objects\[0\].surface.r")])
+def test_a_patch_that_makes_no_scene_is_refused_in_one_line(patch, word):
+    with pytest.raises(InputError, match=word) as error:
+        parse_scene(published(patch))
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", library.names())
+def test_every_figure_has_its_form(name):
+    """Of figures 1 to 4 it is the text's; of no other."""
+    text, figure = library.scene(name), library.find(f"{name}@published")
+    assert (text.hash == figure.hash) == (text.figure in {f"Figure {k}" for k in range(1, 5)})
+    assert (text.camera.width, text.camera.height) == (figure.camera.width, figure.camera.height)
+    default = Tracing()
+    assert all(getattr(text.tracing, switch) == getattr(default, switch) for switch in ("lights", "ambient", "shadows", "range"))
