@@ -12,7 +12,7 @@ from pathlib import Path
 
 from comparisons.document import Record
 
-from . import changes, decisions, evidence, front, guide, matrix, plan, scenes, speed, stability, transport
+from . import changes, decisions, evidence, front, guide, matrix, plan, published, scenes, speed, stability, transport
 from .page import Page, Report, arrange
 
 __all__ = ["READERS", "Page", "Report", "all_pages", "arrange"]
@@ -21,7 +21,7 @@ SECTIONS = {  # the entries of the bar, six at most, in its order, and the modul
     "Findings": (front, changes, guide, scenes),
     "Who agrees": (matrix,),
     "Effects": (evidence, transport),
-    "Decisions": (decisions,),
+    "Decisions": (decisions, published),
     "Where methods fail": (stability,),
     "Speed": (speed, plan),
 }
