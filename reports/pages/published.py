@@ -27,7 +27,8 @@ SWITCHES = (
     Switch("E1", "The printed sine of refraction", "sin φ₂ = sin φ₁ · n₂/n₁, against the law of refraction above it",
            "the law, n₁/n₂", "tracing.refraction"),
     Switch("F1", "Several lights", "nothing; the reference adds them up", "1 − Π (1 − light), per channel", "tracing.lights"),
-    Switch("F2", "Ambient light", "nothing; the reference has none", "figure 17 begins at 0.1 in place of 0", "tracing.ambient"),
+    Switch("F2", "Ambient light", "nothing; the reference has none", "figure 17 begins at 0.1 in place of 0",
+           "tracing.ambient"),
     Switch("F3", "Shadows of transparent objects", "every crossing multiplies the light by the transparency",
            "objects that are transparent at all cast no shadow", "tracing.shadows"),
     Switch("F4", "The range of a ray", "each ray has its own", "a path shares one: a child has what its parent left",
@@ -45,6 +46,11 @@ class Figure:
 
     scene: str
     numbers: dict
+
+    @property
+    def figure(self) -> str:
+        word = self.scene.split("-")[1]
+        return str(int(word)) if word.isdigit() else f"the {word}"
 
     @property
     def left(self) -> str:
