@@ -3,6 +3,7 @@
 # make check    the linter, and the tests that take no time
 # make fuzz     5000 hostile inputs against the command line; takes its time
 # make enclosures  every number type against python-flint on a million arguments a function
+# make docs     the pages under docs/ as HTML
 # make bench    ratios to other programs; wants the machine to itself
 # make clean    removes what the two made; the next run starts from nothing
 
@@ -10,7 +11,7 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 
-.PHONY: report test check fuzz enclosures bench clean
+.PHONY: report test check fuzz enclosures docs bench clean
 
 # what the report shows; each suite keeps what it has finished, and exit code 1 says that something differs
 SUITES := "compare --largest 320 --jobs 3" "transport --jobs 3" "stability" "attribute --wrong-on-purpose --jobs 6" \
@@ -34,6 +35,11 @@ fuzz: $(VENV)/installed
 
 enclosures: $(VENV)/installed
 	$(BIN)/python tests/reference_tracer/enclosures.py --count 1000000
+
+docs: $(VENV)/installed
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+	@echo "open results/docs/index.html"
 
 bench: $(VENV)/installed
 	$(BIN)/python -m comparisons.bench
