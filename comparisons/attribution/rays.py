@@ -12,7 +12,7 @@ from .document import History, Ray
 MOST_RAYS = 64  # shown of a pixel
 
 
-class _Recorder(Watch):
+class Recorder(Watch):
     """Notes what every ray of one pixel meets."""
 
     def __init__(self, scene: Scene, pixel: int):
@@ -42,7 +42,7 @@ class _Recorder(Watch):
 
 def ours(renderer: Renderer, row: int, col: int, title: str) -> History:
     """The rays of pixel (row, col) as the reference tracer traces them."""
-    recorder = _Recorder(renderer.scene, row * renderer.scene.camera.width + col)
+    recorder = Recorder(renderer.scene, row * renderer.scene.camera.width + col)
     renderer.picture(watch=recorder)
     return shortened(title, recorder.rays)
 

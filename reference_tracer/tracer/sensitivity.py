@@ -15,6 +15,7 @@ import drjit as dr
 import numpy as np
 
 from ..scene.model import Scene
+from .given_rays import GivenRays
 from .rays import Ray
 from .render import Picture, Watch, render
 from .shading import Interaction
@@ -32,9 +33,11 @@ OBJECT, LIGHT, TOTAL_REFLECTION = 1, 2, 4  # discrete risks: bits of the risk pl
 class Perturbation(Watch):
     """Moves every ray by random multiples of rounding, and notes what each pixel's rays meet."""
 
-    def __init__(self, unit: float, seed: int, pixels: int, displaced: Displaced | None = None):
+    def __init__(self, unit: float, seed: int, pixels: int, displaced: Displaced | None = None,
+                 given: GivenRays | None = None):
         self.unit, self.seed, self.wave_number = unit, seed, 0
         self.signatures = {risk: np.zeros(pixels, np.uint32) for risk in (OBJECT, LIGHT, TOTAL_REFLECTION)}
+        self.given = given
         self.displaced, self.touched, self.grazing = displaced, np.zeros(pixels, bool), np.zeros(pixels)
 
     def begin(self, world, first, count):
@@ -49,6 +52,7 @@ class Perturbation(Watch):
 
     def disturb(self, wave: Wave) -> Ray:
         arrays = self.world.arrays
+        wave = self.given.in_place_of(wave, self.world) if self.given else wave
         self.wave_number += 1
         if not self.unit:
             return wave.ray
@@ -125,8 +129,11 @@ class Response:
 
 
 def response(scene: Scene, method: str = "exact", precision: int = 32, probes: int = PROBES,
-             displaced: Displaced | None = None, progress=lambda share: None) -> Response:
-    """Measures what rounding to `precision` bits may change, and surfaces that are `displaced`."""
+             displaced: Displaced | None = None, progress=lambda share: None, given: GivenRays | None = None) -> Response:
+    """Measures what rounding to `precision` bits may change, and surfaces that are `displaced`; of the rays `given`, where
+    there are any, in place of the camera's."""
+    if given:
+        return _response(given.scene(scene), method, precision, probes, displaced, progress, given)
     if scene.tracing.samples > 1:  # first hits are those of the ray through a pixel's centre
         centre = response(scene.traced_with(samples=1), method, precision, probes, displaced)
         found = _response(scene, method, precision, probes, displaced, progress)
@@ -136,13 +143,14 @@ def response(scene: Scene, method: str = "exact", precision: int = 32, probes: i
     return _response(scene, method, precision, probes, displaced, progress)
 
 
-def _response(scene: Scene, method: str, precision: int, probes: int, displaced: Displaced | None, progress) -> Response:
-    truth, watch = _perturbed(scene, method, 0.0, 0, displaced)
+def _response(scene: Scene, method: str, precision: int, probes: int, displaced: Displaced | None, progress,
+              given: GivenRays | None = None) -> Response:
+    truth, watch = _perturbed(scene, method, 0.0, 0, displaced, given)
     shape, signatures = truth.t.shape, watch.signatures
     found = Response(truth, *({name: np.zeros(shape) for name in ("color", "t", "normal")} for _ in range(2)),
                      np.zeros(shape, np.uint8), _bit(truth.index), watch.touched.reshape(shape), watch.grazing.reshape(shape))
     for k in range(probes):
-        probe, watch = _perturbed(scene, method, UNIT[precision], k + 1, displaced)
+        probe, watch = _perturbed(scene, method, UNIT[precision], k + 1, displaced, given)
         changed = np.zeros(shape, bool)
         for kind, signature in watch.signatures.items():
             differs = (signature != signatures[kind]).reshape(shape)
@@ -200,10 +208,11 @@ def perturbed(scene: Scene, method: str, unit: float, seed: int) -> tuple[Pictur
     return picture, watch.signatures
 
 
-def _perturbed(scene: Scene, method: str, unit: float, seed: int, displaced: Displaced | None) -> tuple[Picture, Perturbation]:
+def _perturbed(scene: Scene, method: str, unit: float, seed: int, displaced: Displaced | None,
+               given: GivenRays | None = None) -> tuple[Picture, Perturbation]:
     """The same with surfaces displaced; `seed` 0 leaves them in their places."""
     camera = scene.camera
-    watch = Perturbation(unit, seed, camera.width * camera.height, displaced)
+    watch = Perturbation(unit, seed, camera.width * camera.height, displaced, given)
     return render(_moved(scene, displaced.errors, seed) if displaced and seed else scene, method, watch=watch), watch
 
 
