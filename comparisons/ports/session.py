@@ -49,7 +49,7 @@ class Port(Worker):
     noun = "the port"
 
     def __init__(self, command: Sequence[str], memory: int = MOST_MEMORY):
-        here = [str(Path(word).resolve()) if ("/" in word and Path(word).exists()) or Path(word).is_file() else word
+        here = [str(Path(word).absolute()) if ("/" in word and Path(word).exists()) or Path(word).is_file() else word
                 for word in command]  # it runs in a folder of its own
         super().__init__(here)
         self.memory, self.seq, self.declared = memory, 0, None

@@ -95,6 +95,8 @@ def _checked(arguments, command, known, bar):
             port.draws(arguments.scenes, arguments.pictures, arguments.level, arguments.precision)
             chosen = tuple(case for case in chosen if case.rays is None)
         declared = port.greet(min(arguments.seconds, 30))
+        if not isinstance(declared, Failure):
+            chosen = tuple(case for case in chosen if case.level in declared.levels)
         if isinstance(declared, Failure):
             message, declared = f"the port does not answer hello ({declared.verdict}): {declared.message}", None
         elif arguments.list:
@@ -129,6 +131,7 @@ def _list(declared, chosen) -> None:
         why = case.lacks(declared)
         skipped += why is not None
         print(f"{'skip' if why else 'run':<5} {case.id:<52} {why or ''}".rstrip())
+    print("cases of truths that the port does not claim are no cases of its own")
     print(f"{len(chosen) - skipped} of {len(chosen)} cases will run, {skipped} will be skipped")
 
 

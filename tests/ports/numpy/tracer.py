@@ -240,12 +240,13 @@ def shade(scene, obj, k, o, d, inside, t, limit, depth):
 # --- sections 2 and 5 -----------------------------------------------------------------------------------------------------
 
 
-def camera_rays(scene, i, j, n):
+def camera_rays(scene, n):
+    """Origins and directions (h w n n, 3), the n x n samples of a pixel one after another."""
     v_dir = unit(scene.direction)
     v_x = unit(np.cross(scene.up, v_dir) if scene.v_x is None else scene.v_x)  # C1, F5
     v_y = np.cross(v_dir, v_x) if scene.v_x is None else unit(scene.v_y)
     ratio = 2 * np.tan(np.pi * scene.fov / 360) / max(scene.width, scene.height)
-    row, col = np.mgrid[:scene.height, :scene.width].reshape(2, -1, 1)
+    row, col, i, j = np.mgrid[:scene.height, :scene.width, :n, :n].reshape(4, -1, 1)
     x = ratio * ((col + (j + 0.5) / n) - scene.width * 0.5)  # C2
     y = ratio * (-(row + (i + 0.5) / n) + scene.height * 0.5)
     d = unit(x * v_x + y * v_y + v_dir)
@@ -264,10 +265,11 @@ def answer(scene):
         shape = [len(d)]
     else:
         n, shape = scene.samples, [scene.height, scene.width]
-        color, t, index, normal = start(scene, *camera_rays(scene, 0, 0, 1))
+        color, t, index, normal = start(scene, *camera_rays(scene, 1))
         if n > 1:
-            color = sum(start(scene, *camera_rays(scene, i, j, n))[0] for i in range(n) for j in range(n)) / n**2
-    return {"color": (color, "float64"), "index": (index, "int32"), "t": (t, "float64"), "normal": (normal, "float64")}, shape
+            color = start(scene, *camera_rays(scene, n))[0].reshape(-1, n * n, 3).mean(axis=1)
+    arrays = {"color": (color, "float64"), "index": (index, "int32"), "t": (t, "float64"), "normal": (normal, "float64")}
+    return {name: (array.reshape(*shape, *array.shape[1:]), kind) for name, (array, kind) in arrays.items()}
 
 
 # --- the protocol ---------------------------------------------------------------------------------------------------------
@@ -281,10 +283,10 @@ def serve():
             head, blocks = {"protocol": 1, "name": "raytruth NumPy example", "levels": ["algorithm"], "precision": 64,
                             "switches": ["E1", "F1", "F2", "F3", "F4", "F5"]}, []
         else:
-            arrays, shape = answer(Scene(receive.read(request["bytes"]).decode()))
+            arrays = answer(Scene(receive.read(request["bytes"]).decode()))
             blocks = [np.ascontiguousarray(array, np.dtype(kind).newbyteorder("<")).tobytes() for array, kind in arrays.values()]
             head = {"seq": request["seq"], "state": "ok", "bytes": sum(map(len, blocks)),
-                    "arrays": [{"name": name, "dtype": kind, "shape": [*shape, *array.shape[1:]]}
+                    "arrays": [{"name": name, "dtype": kind, "shape": array.shape}
                                for name, (array, kind) in arrays.items()]}
         send.write(json.dumps(head).encode() + b"\n" + b"".join(blocks))
         send.flush()
