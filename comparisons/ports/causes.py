@@ -267,8 +267,8 @@ class _Search:
             spread = 0.3
             while spread > 1e-7 and time.monotonic() < self.end:
                 tries = [{**mistakes, id: mistakes[id] * (1 + spread * k / 4)} for k in range(-4, 5)]
-                off = np.minimum(sample.differences(tries), HALF)
-                loss = np.median(off, axis=1) + 0.1 * off.mean(axis=1)
+                near = max(3 * sample.tolerance, spread * 0.1)  # what is farther off has other causes
+                loss = (np.minimum(sample.differences(tries), near)**2).mean(axis=1)
                 mistakes = tries[int(loss.argmin())]
                 if sample.q.levels and spread < 1e-4:
                     break

@@ -92,10 +92,10 @@ class Shape:
         return (f < 0) & (f > -np.inf)
 
     # --- crossings -------------------------------------------------------------------------------------------------
-    def first(self, o, d, inside, limit, h, step):
-        """The distance of the first change of sign from `inside` (n,), infinity where there is none, and the sample spacing.
+    def first(self, o, d, inside, limit, h, tracing):
+        """The distance of the first change of sign from `inside` (n,), infinity where there is none.
 
-        `h` (n,) is the step in which two changes of sign go unseen, 0 where none do; `step` the scene's.
+        Where `h` (n,) is not 0, it is the literal step: two changes of sign in one go unseen, and the root is Newton's.
         """
         o, d = self.into(o - self.center), self.into(d)
         if self.quadric is not None:
@@ -108,13 +108,32 @@ class Shape:
         rays = np.flatnonzero(low < high)
         if not len(rays):
             return found
-        t, signs = self._signs(o[:, rays], d[:, rays], low[rays], high[rays], h[rays], step)
+        t, signs = self._signs(o[:, rays], d[:, rays], low[rays], high[rays], h[rays], tracing.step_size)
         changed = signs != inside[rays][:, None]
         hit = np.flatnonzero(changed.any(axis=1))
         k = changed[hit].argmax(axis=1)
         before = np.where(k > 0, t[hit, np.maximum(k - 1, 0)], np.maximum(low[rays[hit]], 0))
-        found[rays[hit]] = self._bisected(o[:, rays[hit]], d[:, rays[hit]], before, t[hit, k], inside[rays[hit]])
+        rays, after = rays[hit], t[hit, k]
+        found[rays] = self._bisected(o[:, rays], d[:, rays], before, after, inside[rays])
+        if len(some := np.flatnonzero(h[rays] > 0)):
+            rays, h = rays[some], h[rays[some]]
+            middle = 0.5 * ((np.ceil(after[some] / h - 1e-9) - 1) * h + after[some])
+            found[rays] = self.newton(o[:, rays], d[:, rays], middle, tracing.tolerance, tracing.max_iterations)
         return found
+
+    def newton(self, o, d, t, tolerance, iterations):
+        """Section 4.2: of f as printed, freely from t on (M6)."""
+        active = np.ones(len(t), bool)
+        for _ in range(iterations):
+            g, slope = self.slope(o, d, t)
+            with np.errstate(all="ignore"):
+                dt = np.where(active, g / slope, 0.0)
+            active &= np.isfinite(dt)
+            t = np.where(active, t - dt, t)
+            active &= np.abs(dt) > tolerance * np.maximum(1, np.abs(t))
+            if not active.any():
+                break
+        return t
 
     def count(self, o, d, inside, limit, h, step):
         """How often f changes its sign before `limit` (n,)."""
@@ -286,7 +305,7 @@ class Tracers:
 
     # --- sections 4.1 and 4.2 --------------------------------------------------------------------------------------
     def _nearest(self, rays: Rays, who):
-        h = self.h[who]
+        h, printed = self.h[who], self._of("heart-as-printed", who)
         usable = np.isfinite(rays.d).all(axis=0)
         limit = np.where(usable, rays.limit, -1.0)
         d = np.where(usable, rays.d, 1.0)
@@ -294,7 +313,9 @@ class Tracers:
         unrefined, once = self._of("root-unrefined", who), self._of("one-newton-step", who)
         in_order = self._of("first-in-the-list", who)
         for k, shape in enumerate(self.shapes):
-            t = shape.first(rays.o, d, rays.inside[k], limit, h, self.step)
+            # specks come from both: Newton ends early at a triple root, and there the gradient vanishes
+            own = np.where(printed > 0, self.step, h) if printed is not None and shape.surface.type == "heart" else h
+            t = shape.first(rays.o, d, rays.inside[k], limit, own, self.scene.tracing)
             if unrefined is not None or once is not None:
                 t = self._rough(shape, rays, d, t, unrefined, once)
             closer = t < best
