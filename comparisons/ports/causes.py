@@ -20,7 +20,7 @@ from reference_tracer.scene.model import Scene
 from .mistaken import Exhausted, Tracers
 from .mistakes import CATALOGUE, NOISY, SWITCHES, Mistakes, filed, moved, possible
 
-SCREENED, VERIFIED = 150, 2400  # failing pixels on which sets are tried, on which the result is verified, at 1 sample each
+SCREENED, VERIFIED = 150, 5000  # failing pixels on which sets are tried, on which the result is verified, at 1 sample each
 BESIDE = 0.35  # as many of those that pass, which mistakes must leave as they are
 BEAM = 3  # sets that go on from each round
 ROUNDS, LOOKS = 10, 4  # at most: rounds of one look, looks at what is left
@@ -28,6 +28,7 @@ ENOUGH = 0.99  # of the failing pixels explained: nothing else is looked for
 NAMED = 0.5  # a cause that explains less than this is none
 HALF = 0.2  # of a colour: a difference as large counts like none explained
 COST = 0.004  # of all pixels, that one more mistake has to explain
+FEWEST = 2  # pixels that a mistake has to explain
 ENGINE = 2e-4  # what `Tracers` leaves out of a colour, at most, see `least`
 SECONDS = 12.0  # of search
 
@@ -124,7 +125,8 @@ class _Sample:
             draws = [mistakes]
             for id in NOISY:
                 if id in mistakes:  # any draw of the noise will do, and none
-                    draws = [{**mistakes, id: a} for a in CATALOGUE[id].amounts] + [{i: a for i, a in mistakes.items() if i != id}]
+                    draws = [{**mistakes, id: a} for a in CATALOGUE[id].amounts]
+                    draws.append({i: a for i, a in mistakes.items() if i != id})
             expanded += draws
             owner += [k] * len(draws)
         found = np.full((len(sets), len(self.pixels)), np.inf)
@@ -181,11 +183,11 @@ class _Search:
         matched = pool.matched([best])[0]
         for _ in range(LOOKS - 1):
             left = pool.failing & ~matched
-            if left.sum() <= (1 - ENOUGH) / 4 * pool.failing.sum() or time.monotonic() > self.end:
+            if left.sum() < 2 or time.monotonic() > self.end:
                 break
             better, _ = self._climb(self._screen(left | ~matched), [best, {}])
             again = pool.matched([better])[0]
-            if again.sum() <= matched.sum() + COST / 4 * len(matched):
+            if again.sum() < matched.sum() + FEWEST * max(len(better) - len(best), 1):
                 break
             best, matched = better, again
         best, matched, shares = self._without_idle(pool, best, matched)
@@ -282,7 +284,7 @@ class _Search:
             others = pool.matched(fewer)
             lost = matched.sum() - others.sum(axis=1)
             k = int(lost.argmin())
-            if lost[k] > max(1, 0.0005 * len(matched)):
+            if lost[k] >= FEWEST:
                 failing = max(int(pool.failing.sum()), 1)
                 return mistakes, matched, {id: float(n) / failing for id, n in zip(mistakes, lost)}
             mistakes, matched = fewer[k], others[k]

@@ -298,7 +298,8 @@ class Tracers:
                     d = v_x[:, None] * x + v_y[:, None] * y + f.v_dir[:, None]
                     if "camera-ray-not-normalised" not in mistakes:
                         d = d / np.linalg.norm(d, axis=0)
-                    parts.append(Rays(np.broadcast_to(f.v_pos[:, None], d.shape), d, np.broadcast_to(sides, (len(sides), len(rows))),
+                    parts.append(Rays(np.broadcast_to(f.v_pos[:, None], d.shape), d,
+                                      np.broadcast_to(sides, (len(sides), len(rows))),
                                       np.full(len(rows), self.max_distance[who]), np.full(len(rows), share),
                                       who * self.pixels + np.arange(len(rows))))
         return _joined(parts, None)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +19,8 @@ SUFFIXES = (".png", ".exr", ".pfm", ".npy", ".npz")
 MOST_PIXELS = 2**24
 LONGEST_SIDE = 16384
 MOST_BYTES = MOST_PIXELS * 64  # of a file, and of an array in it
+# what the readers of files raise where one is incomplete or none
+BROKEN = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, KeyError, SyntaxError, NotImplementedError, RuntimeError)
 NAMES = ("color", "colour", "rgb", "image", "picture")  # of the colours in an NPZ, else its only array of that shape
 
 
@@ -49,7 +52,9 @@ def read(path: Path) -> FinishedPicture:
         if path.stat().st_size > MOST_BYTES:
             raise InputError(f"{path}: has more than {MOST_BYTES >> 20} MiB; give a smaller picture")
         array, told = {".npy": _npy, ".npz": _npz, ".pfm": _pfm}.get(suffix, _image)(path)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, KeyError, SyntaxError, NotImplementedError, RuntimeError) as error:
+    except InputError:
+        raise
+    except BROKEN as error:
         reason = getattr(error, "strerror", None) or str(error).strip().split("\n")[0] or "it is incomplete"
         raise InputError(f"{path}: cannot be read as {suffix[1:].upper()} ({reason})") from None
     return _interpreted(path, array, told)
@@ -135,7 +140,7 @@ def _header(path: Path, file) -> None:
     if kind.hasobject:
         raise InputError(f"{path}: holds Python objects, which are never loaded; save an array of numbers")
     if math.prod(shape) * kind.itemsize > MOST_BYTES:
-        raise InputError(f"{path}: says it holds an array of shape {shape}; {MOST_PIXELS} pixels are the most that can be checked")
+        raise InputError(f"{path}: says it holds an array of shape {shape}; {MOST_PIXELS} pixels can be checked at most")
 
 
 def _npy(path: Path) -> tuple[np.ndarray, list[str]]:
@@ -156,7 +161,8 @@ def _npz(path: Path) -> tuple[np.ndarray, list[str]]:
         with archive.open(members[name]) as file:
             _header(path, file)
         with archive.open(members[name]) as file:
-            return np.lib.format.read_array(file, allow_pickle=False), [f"the array {name!r} is taken"] if len(members) > 1 else []
+            told = [f"the array {name!r} is taken"] if len(members) > 1 else []
+            return np.lib.format.read_array(file, allow_pickle=False), told
 
 
 def _pfm(path: Path) -> tuple[np.ndarray, list[str]]:
@@ -175,6 +181,7 @@ def _pfm(path: Path) -> tuple[np.ndarray, list[str]]:
             raise ValueError("its scale is not a number other than 0")
         data = file.read(4 * channels * width * height + 1)
     if len(data) != 4 * channels * width * height:
-        raise ValueError(f"{'more' if len(data) > 4 * channels * width * height else 'fewer'} bytes than {width} x {height} pixels")
+        fault = "fewer" if len(data) < 4 * channels * width * height else "more"
+        raise ValueError(f"{fault} bytes than {width} x {height} pixels take")
     array = np.frombuffer(data, "<f4" if scale < 0 else ">f4").reshape(height, width, channels)
     return array[::-1].astype(np.float32), ["rows from the bottom, as the format says: turned"]
