@@ -90,6 +90,8 @@ class Comparison(Record):
     against: Literal["algorithm", "model"] = Field(description="which of the two truths the reference run stands for")
     verdict: Verdict
     reason: str = Field(description="one sentence: why this verdict")
+    instead: str = Field("", description="what of the scene is otherwise in both pictures, because the renderer cannot express "
+                                         "it; empty: nothing")
     gates: list[Gate] = []
     metrics: dict[str, float | int | None] = Field({}, description="every number measured, gated or not")
     worst: list[dict[str, float | int]] = Field([], description="the pixels of largest error: row, col, error")

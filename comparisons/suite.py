@@ -11,7 +11,7 @@ from pathlib import Path
 
 from reference_tracer.scene.model import Scene
 
-from . import document, effects, studies
+from . import document, effects, renderers, studies
 from .agreement import matrix, records, tightness
 from .attribution.explain import LARGEST, explained
 from .execution.machine import machine
@@ -47,7 +47,8 @@ class Options:
 
 def compare(scenes: Sequence[Scene], options: Options) -> Results:
     """Runs every renderer on every scene, compares each picture with the truth and with every other one, and writes
-    results.json and matrix.json.
+    results.json and matrix.json. What a renderer cannot express of a scene is at its default in both pictures that are
+    compared (`renderers.nearest`).
 
     A run that fails costs only its own comparisons. Finished runs and comparisons are kept by content in the folder:
     an interrupted suite goes on where it stopped. What the documents say of other scenes stays, and so do other renderers
@@ -60,20 +61,23 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
     earlier = None if options.fresh else document.found(options.folder / FILE, Results, COMMAND)
     names = {scene.name: _compared_on(scene, options.renderers, earlier, store) for scene in scenes}
     planned = studies.planned(scenes) if options.with_studies else []
-    every = dict.fromkeys(name for scene in scenes for name in names[scene.name])
-    requests = [Request(scene, name) for name in every for scene in scenes if name in names[scene.name]]
+    both = [(renderers.nearest(scene, first, second).scene, first, second)
+            for scene in scenes for first, second in combinations(names[scene.name], 2)]
+    by_renderer = {name: k for k, name in enumerate(dict.fromkeys(name for pair in both for name in pair[1:]))}
+    requests = [Request(scene, TRUTH) for scene in scenes]
+    requests += sorted((Request(scene, name) for scene, *pair in both for name in pair),
+                       key=lambda request: by_renderer[request.renderer])
     requests += [request for study in planned for request in study.requests()]
     requests += effects.requests(scenes) + tightness.requests(scenes, options.renderers) if options.with_studies else []
     with Pool(options.jobs, options.progress) as pool:
         runs = store.make_all(requests, pool, options.limit)
         measurements = Measurements(options.folder, pool, options.limit)
-        pairs = [Pair(scene, first, second) for scene in scenes
-                 for first, second in combinations([runs[Request(scene, name).key] for name in names[scene.name]], 2)
-                 if first.state == second.state == "ok"]
+        made = [Pair(scene, *(runs[Request(scene, name).key] for name in pair)) for scene, *pair in both]
+        pairs = [pair for pair in made if pair.first.state == pair.second.state == "ok"]
         more = [pair for study in planned for pair in study.pairs(runs)]
         more += effects.pairs(scenes, runs) + tightness.pairs(scenes, options.renderers, runs) if options.with_studies else []
         measurements.make([*pairs, *more])
-        comparisons = [_compared(scene, runs[Request(scene, TRUTH).key], runs[Request(scene, name).key], measurements)
+        comparisons = [_compared(scene, name, runs, measurements)
                        for scene in scenes for name in names[scene.name] if name != TRUTH]
         comparisons = explained(comparisons, [_fitted(scene, LARGEST) for scene in scenes], runs, options.folder, pool)
         rows = tightness.tightness(scenes, options.renderers, runs, measurements) if options.with_studies else []
@@ -90,13 +94,14 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
     return results
 
 
-def _compared_on(scene: Scene, renderers: Sequence[str], earlier: Results | None, store: RunStore) -> tuple[str, ...]:
-    """The truth, `renderers`, and those that were compared on `scene` before and whose pictures are still there."""
-    asked = (TRUTH, *renderers)
+def _compared_on(scene: Scene, chosen: Sequence[str], earlier: Results | None, store: RunStore) -> tuple[str, ...]:
+    """The truth, the `chosen` renderers, and those that were compared on `scene` before and whose pictures are still there."""
+    asked = (TRUTH, *chosen)
     known = {s.name for s in earlier.scenes if s.hash == scene.hash} if earlier else set()
     others = [earlier.run(c.test).renderer for c in earlier.comparisons if c.scene == scene.name] if scene.name in known else []
     return (*asked, *(name for name in dict.fromkeys(others)
-                      if name not in asked and name in RENDERERS and store.finished(Request(scene, name))))
+                      if name not in asked and name in RENDERERS
+                      and store.finished(Request(renderers.nearest(scene, name).scene, name))))
 
 
 def _fitted(scene: Scene, largest: int) -> Scene:
@@ -105,17 +110,20 @@ def _fitted(scene: Scene, largest: int) -> Scene:
     return scene if scale >= 1 else scene.resized(max(1, round(width * scale)), max(1, round(height * scale)))
 
 
-def _compared(scene: Scene, truth: Run, test: Run, measurements: Measurements) -> Comparison:
-    about = {"id": f"{scene.name}--{test.renderer}", "scene": scene.name, "reference": truth.key, "test": test.key,
-             "against": "model",
-             "command": f"raytruth compare {scene.name} --renderers {test.renderer} --largest "
+def _compared(written: Scene, name: str, runs: dict[str, Run], measurements: Measurements) -> Comparison:
+    near = renderers.nearest(written, name)
+    scene, (truth, test) = near.scene, (runs[Request(near.scene, who).key] for who in (TRUTH, name))
+    told = f"; compared with {near.words}" if near.words else ""
+    about = {"id": f"{scene.name}--{name}", "scene": scene.name, "reference": truth.key, "test": test.key,
+             "against": "model", "instead": near.words,
+             "command": f"raytruth compare {scene.name} --renderers {name} --largest "
                         f"{max(scene.camera.width, scene.camera.height)}"}
     for run in (truth, test):
         if run.state != "ok":
-            return Comparison(**about, verdict="not compared", reason=f"{run.title} {run.state}: {run.message}")
+            return Comparison(**about, verdict="not compared", reason=f"{run.title} {run.state}: {run.message}{told}")
     found = measurements.of(Pair(scene, truth, test))
     if found.state != "ok":
-        return Comparison(**about, verdict="not compared", reason=f"measuring {found.state}: {found.message}")
+        return Comparison(**about, verdict="not compared", reason=f"measuring {found.state}: {found.message}{told}")
     measured = found.metrics
     if test.renderer == "paper":
         verdict, reason, gates = literal(measured, scene.tracing.step_size)
@@ -123,7 +131,7 @@ def _compared(scene: Scene, truth: Run, test: Run, measurements: Measurements) -
         verdict, reason, gates = judge(measured, tolerance_of(test), tolerance_of(test, exact=True))
         if verdict == "agrees" and (why := unmeasured(test)):
             verdict, reason = "not compared", why
-    return Comparison(**about, verdict=verdict, reason=reason, gates=gates, metrics=measured, worst=found.worst)
+    return Comparison(**about, verdict=verdict, reason=reason + told, gates=gates, metrics=measured, worst=found.worst)
 
 
 def _scene_record(scene: Scene) -> SceneRecord:

@@ -10,11 +10,11 @@
     shadowless  number of an object
     misprint
 
-`sign` is -1 where f > 0 is inside; `degrees` 0 means no rotation. Lines that most scenes lack: `axes` where they do not
-follow from `up` (decision F5); `figures` where one of its words (decisions F1 to F4, as in a scene file) is not "sum",
-0, "attenuate" and "ray"; `shadowless` for each object that dims no light, counted from 0; `misprint` where refraction is
-as printed (decision E1). Numbers have as many digits as it takes to read them back exactly. python -m converters.plain SCENE FILE
-writes one.
+`sign` is -1 where f > 0 is inside; `degrees` 0 means no rotation. Most scenes lack the lines `axes`, of a camera whose
+axes do not follow from `up` (decision F5), `figures`, the words of decisions F1 to F4 as in a scene file where one is not
+"sum", 0, "attenuate" or "ray", `shadowless`, an object (counted from 0) that dims no light, and `misprint`, of refraction as
+printed (decision E1). Numbers have as many digits as it takes to read them back exactly. python -m converters.plain SCENE
+FILE writes one.
 """
 
 from __future__ import annotations

@@ -12,8 +12,8 @@ from importlib import import_module
 
 from .arguments import Parser, sentence
 
-COMMANDS = ("scenes", "render", "compare", "attribute", "report", "certify", "sensitivity", "stability",
-            "transport", "chart", "plan", "check-port", "truth", "doctor")
+COMMANDS = ("scenes", "render", "check-image", "check-port", "truth", "compare", "attribute", "report", "certify",
+            "sensitivity", "stability", "transport", "chart", "plan", "doctor")
 KEEPING = ("compare", "attribute", "transport", "chart")  # those whose next run reuses what an interrupted one finished
 OK, FINDINGS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 

@@ -27,9 +27,12 @@ def matrix(scenes: Sequence[Scene], names: dict[str, tuple[str, ...]], runs: dic
 
     Who differs from the truth as its nature is, by `comparisons`, has no vote on that scene.
     """
-    of_scene = {scene.name: [runs[Request(scene, name).key] for name in names[scene.name]] for scene in scenes}
+    of_scene = {scene.name: [runs[Request(renderers.nearest(scene, name).scene, name).key] for name in names[scene.name]]
+                for scene in scenes}
+    written = {scene.name: scene for scene in scenes}
     natural = {(c.scene, runs[c.test].renderer) for c in comparisons if c.verdict == "expected"}
-    measured = {scene.name: [_pair(p, measurements, natural) for p in pairs if p.scene.name == scene.name]
+    measured = {scene.name: [_pair(p, written[scene.name], measurements, natural) for p in pairs
+                             if p.scene.name == scene.name]
                 for scene in scenes}
     members = [Member(name=name, title=renderers.find(name).title, implementation=renderers.find(name).module)
                for name in dict.fromkeys(name for scene in scenes for name in names[scene.name])]
@@ -44,7 +47,7 @@ def matrix(scenes: Sequence[Scene], names: dict[str, tuple[str, ...]], runs: dic
                   tightness=list(tightness), command="raytruth compare")
 
 
-def _pair(pictures: Pictures, measurements: Measurements, natural: set[tuple[str, str]]) -> Pair:
+def _pair(pictures: Pictures, written: Scene, measurements: Measurements, natural: set[tuple[str, str]]) -> Pair:
     first, second, found = pictures.first, pictures.second, measurements.of(pictures)
     tolerance, m = between(first, second), found.metrics
     if found.state != "ok":
@@ -53,11 +56,14 @@ def _pair(pictures: Pictures, measurements: Measurements, natural: set[tuple[str
         verdict, reason = literal(m, pictures.scene.tracing.step_size)[:2]
     else:
         verdict, reason = judge(m, tolerance, between(first, second, exact=True))[:2]
+    instead = renderers.nearest(written, first.renderer, second.renderer).words
+    reason += f"; compared with {instead}" if instead else ""
     return Pair(scene=pictures.scene.name, first=first.renderer, second=second.renderer, agrees=verdict == "agrees",
                 expected=verdict != "agrees" and any((pictures.scene.name, run.renderer) in natural
                                                      for run in (first, second)),
-                tolerance=tolerance.name, broken="" if verdict == "agrees" else reason, color_p99=m.get("color p99"),
-                color_max=m.get("color max"), inner_max=m.get("inner max"), failing=m.get("failing pixels"),
+                tolerance=tolerance.name, instead=instead, broken="" if verdict == "agrees" else reason,
+                color_p99=m.get("color p99"), color_max=m.get("color max"),
+                inner_max=m.get("inner max"), failing=m.get("failing pixels"),
                 mismatches=m.get("object mismatches"), depth_p99=m.get("depth p99"))
 
 

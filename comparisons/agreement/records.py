@@ -41,6 +41,7 @@ class Pair(Record):
     agrees: bool
     expected: bool = Field(False, description="whether a limit is exceeded by what the literal method misses")
     tolerance: str = Field(description="the limits they were held to, by name")
+    instead: str = Field("", description="what of the scene is otherwise in both pictures, because one cannot express it")
     broken: str = Field("", description="the first limit that is exceeded, with its numbers")
     color_p99: float | None = Field(description="99 % of the pixels differ by less")
     color_max: float | None

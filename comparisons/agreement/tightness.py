@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 from reference_tracer.scene.model import Scene
 
+from .. import renderers
 from ..results import Gate, Run
 from ..runs import Request
 from ..verdicts.judge import judge
@@ -42,7 +43,20 @@ class Held:
     against: str = TRUTH
 
     def among(self, names: Sequence[str]) -> bool:
-        return {self.renderer, self.against, *(w.renderer for w in self.worse)} <= {TRUTH, *names}
+        return self.all <= {TRUTH, *names}
+
+    @property
+    def all(self) -> set[str]:
+        return {self.renderer, self.against, *(w.renderer for w in self.worse)}
+
+    def requests(self, scene: Scene) -> list[Request]:
+        """What it is held to, the renderer itself, and everything worse."""
+        return [Request(scene, self.against), Request(scene, self.renderer),
+                *(Request(scene, worse.renderer, worse.settings) for worse in self.worse)]
+
+    def expressed(self, scenes: Sequence[Scene]) -> list[Scene]:
+        """The scenes to be studied, as all of them can express them."""
+        return [renderers.nearest(scene, *sorted(self.all)).scene for scene in _studied(scenes)]
 
 
 TELLING = ("figure-05-sphere", "figure-07-torus", "figure-09-heart", "figure-17-scene1", "figure-18-scene2",
@@ -62,16 +76,16 @@ HELD = (
 
 
 def requests(scenes: Sequence[Scene], names: Sequence[str]) -> list[Request]:
-    """The runs that the study needs beside those of the suite."""
-    return [Request(scene, worse.renderer, worse.settings) for held in HELD if held.among(names)
-            for worse in held.worse for scene in _studied(scenes)]
+    """The runs that the study needs."""
+    return [request for held in HELD if held.among(names) for scene in held.expressed(scenes)
+            for request in held.requests(scene)]
 
 
 def tightness(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run],
               measurements: Measurements) -> list[Tightness]:
     """Every limit that something worse than a renderer in `names` tests."""
     return [row for held in HELD if held.among(names)
-            for row in _rows(held, _studied(scenes), runs, measurements)]
+            for row in _rows(held, held.expressed(scenes), runs, measurements)]
 
 
 def _studied(scenes: Sequence[Scene]) -> list[Scene]:
@@ -95,16 +109,14 @@ class _Case:
 
 def pairs(scenes: Sequence[Scene], names: Sequence[str], runs: dict[str, Run]) -> list[Pair]:
     """What has to be measured for it."""
-    return [pair for held in HELD if held.among(names) for scene in _studied(scenes)
+    return [pair for held in HELD if held.among(names) for scene in held.expressed(scenes)
             for pair in _pairs(held, scene, runs)]
 
 
 def _pairs(held: Held, scene: Scene, runs: dict[str, Run]) -> list[Pair]:
     """The renderer, then everything worse, against what it is held to; none where one is missing, or where the scene is
     held to another tolerance: without native shapes, say."""
-    base, *others = (runs[request.key] for request in (
-        Request(scene, held.against), Request(scene, held.renderer),
-        *(Request(scene, worse.renderer, worse.settings) for worse in held.worse)))
+    base, *others = (runs[request.key] for request in held.requests(scene))
     if any(run.state != "ok" for run in (base, *others)) or between(base, others[0]) is not held.tolerance:
         return []
     return [Pair(scene, base, run) for run in others]

@@ -36,14 +36,19 @@ def _lit_from_camera(scene: Scene) -> dict:
     return {"lights": (Light(position=scene.camera.position, brightness=WHITE),)}
 
 
+def _lights_alone(scene: Scene) -> Scene:
+    """Without ambient light (decision F2), in which nothing is dark: `local` asks for it, and how it and lights combine."""
+    return scene.traced_with(ambient=0.0)
+
+
 def geometry(scene: Scene) -> Scene:
     """White opaque objects, one light at the camera: the colour is cos(phi1), and nothing is in shadow."""
-    return _with(_first_generation(scene), _white, **_lit_from_camera(scene))
+    return _with(_lights_alone(_first_generation(scene)), _white, **_lit_from_camera(scene))
 
 
 def lights_apart(scene: Scene) -> list[Scene]:
     """White opaque objects under the scene's lights: up to three at a time, each in a channel of its own."""
-    base = _with(_first_generation(scene), _white)
+    base = _with(_lights_alone(_first_generation(scene)), _white)
     lights = scene.lights
     return [base.model_copy(update={"lights": tuple(
         Light(position=light.position, brightness=tuple(float(k == channel) for k in range(3)))
@@ -51,7 +56,7 @@ def lights_apart(scene: Scene) -> list[Scene]:
 
 
 def local(scene: Scene) -> Scene:
-    """The scene's colours and lights on opaque objects."""
+    """The scene's colours and lights, ambient light among them, on opaque objects."""
     return _with(_first_generation(scene), _opaque)
 
 
@@ -62,7 +67,7 @@ def shadows(scene: Scene) -> Scene:
 
 def weights(scene: Scene) -> Scene:
     """The scene's materials without secondary rays, lit from the camera: the colour is cos(phi1) times their weights."""
-    return _first_generation(scene).model_copy(update=_lit_from_camera(scene))
+    return _lights_alone(_first_generation(scene)).model_copy(update=_lit_from_camera(scene))
 
 
 def mirrors(scene: Scene) -> Scene:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from reference_tracer.scene.model import Scene
 
+from .. import renderers
 from ..execution.pool import Pool
 from ..results import Comparison, Run
 from .document import Attribution
@@ -19,8 +20,9 @@ def explained(comparisons: Sequence[Comparison], scenes: Sequence[Scene], runs: 
               pool: Pool) -> list[Comparison]:
     """The comparisons, those that differ, or are expected to, with their attribution; None where it could not be made."""
     by_name = {scene.name: scene for scene in scenes}
-    tasks = {c.id: Task(by_name[c.scene], runs[c.reference].renderer, runs[c.test].renderer)
+    pairs = {c.id: (by_name[c.scene], runs[c.reference].renderer, runs[c.test].renderer)
              for c in comparisons if c.verdict in ("differs", "expected")}
+    tasks = {id: Task(renderers.nearest(*pair).scene, *pair[1:]) for id, pair in pairs.items()}
     if not tasks:
         return list(comparisons)
     made = make_all(list(tasks.values()), folder, pool)

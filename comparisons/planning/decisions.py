@@ -187,7 +187,7 @@ def _timed(seconds: dict[str, float]) -> str:
 def shadows(search: Search) -> list[Decision]:
     """Which objects cast shadows that show."""
     objects = search.scene.objects
-    casting = [k for k, o in enumerate(objects) if o.shadow]
+    casting = [k for k, o in enumerate(objects) if search.scene.casts_shadow(o)]
     parameter, written = "objects with shadows", str(len(casting))
     if not casting or not search.scene.lights or "shadow" not in search.scene.tracing.effects:
         return _stays(search, parameter, written, "no shadow is traced")
@@ -267,6 +267,8 @@ def max_distance(search: Search) -> list[Decision]:
     """How far rays must go: a little farther than the farthest hit."""
     written, farthest = search.written.tracing.max_distance, search.rays.farthest
     found = _rounded_up(SPARE * farthest)
+    if search.written.tracing.range == "path":  # decision F4: the farthest hit says nothing of the longest path
+        return _stays(search, "max_distance", f"{written:g}", "rays share it along their path")
     evidence = f"the farthest hit is {farthest:.4g} away"
     change = lambda s: s.traced_with(max_distance=found)
     if farthest == 0 or found >= written or not search.holds(f"{found:g}", change):

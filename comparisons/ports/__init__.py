@@ -1,1 +1,1 @@
-"""Ground truth for other ports of the document: pictures, a bundle of data, and a checker that speaks a protocol."""
+"""Ports of the document, judged: their pictures, their answers, and the mistakes that these look like."""

@@ -76,15 +76,13 @@ def write(folder: Path, truths: Truths, told: Callable[[str, float], None] = lam
         if not (DOCUMENTS / name).exists():
             raise InputError("the specification is not installed with the package; run from a checkout of raytruth")
     data = folder / "data"
-    made = 0
-    for name, content in _contents(truths):
+    for made, (name, content) in enumerate(_contents(truths), 1):
         path = data / name
         path.parent.mkdir(parents=True, exist_ok=True)
         if isinstance(content, Picture):
             save_exr(content, path)
         else:
             path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        made += 1
         told(name, made / len(files()))
     _bag(folder)
     return _zipped(folder)
@@ -226,7 +224,8 @@ def vectors_schema() -> dict:
                 "groups": {"type": "array", "items": {
                     "type": "object", "required": ["id", "section", "decisions", "scene", "text"], "properties": {
                         "id": {"type": "string"}, "section": {"type": "string"}, "decisions": _STRINGS,
-                        "scene": {"type": "object"}, "text": {"type": "string"}, "flags": _STRINGS, "expected": levels(of_picture),
+                        "scene": {"type": "object"}, "text": {"type": "string"}, "flags": _STRINGS,
+                        "expected": levels(of_picture),
                         "vectors": {"type": "array", "items": {
                             "type": "object", "additionalProperties": False,
                             "required": ["id", "flags", "origin", "direction", "truths_differ", "expected"],

@@ -20,11 +20,13 @@ from ..verdicts.conditioning import Limits, kinds
 from ..verdicts.metrics import largest_around
 from ..verdicts.tolerances import REPEATED
 from .cases import Case
-from .document import Cause, CaseResult, Part
+from .document import CaseResult, Cause, Part
+from .image_check import likely_cause
 from .protocol import METHODS, Declaration, Question, Reply
 from .session import Failure, Port
-from .truth import Truths, decided
+from .truth import Truths, answered, decided
 
+EXPLAINED = 4  # pictures of which the cause is looked for
 PATIENCE = 3  # failures of the process in a row, after which nothing more is asked
 STAGES = {"object": ("hit", "what a ray hits first (sections 4.1, 4.2)"), "distance": ("root", "where it hits (section 4.2)"),
           "normal": ("normal", "the normal there (decision N1)"), "color": ("shading", "the colour (section 4.3)")}
@@ -36,6 +38,7 @@ def check(port: Port, declared: Declaration, cases: Sequence[Case], truths: Trut
           known: frozenset[str] = frozenset(), told: Callable[[CaseResult], None] = lambda result: None) -> list[CaseResult]:
     """The verdict on every case, in their order; `seconds` are those a case may take, `known` the ids that may fail."""
     results, failures = [], 0
+    kept: dict[str, np.ndarray] = {}  # colours of pictures that fail
     for case in cases:
         start = time.monotonic()
         if (why := case.lacks(declared)) is not None:
@@ -43,21 +46,25 @@ def check(port: Port, declared: Declaration, cases: Sequence[Case], truths: Trut
         elif failures >= PATIENCE:
             result = _result(case, "skipped", f"not asked: the port's process failed {PATIENCE} times in a row")
         else:
-            result = asked(port, declared, case, truths, seconds)
+            result = asked(port, declared, case, truths, seconds, kept)
             failures = failures + 1 if result.verdict in ("crashed", "timeout", "malformed") else 0
         results.append(result.model_copy(update={"seconds": round(time.monotonic() - start, 3), "known": case.id in known}))
         told(results[-1])
-    return results
+    return _with_causes(results, cases, kept)
 
 
-def asked(port: Port, declared: Declaration, case: Case, truths: Truths, seconds: float) -> CaseResult:
-    """The verdict on one case."""
+def asked(port: Port, declared: Declaration, case: Case, truths: Truths, seconds: float,
+          kept: dict[str, np.ndarray]) -> CaseResult:
+    """The verdict on one case; a picture that fails is kept."""
     found = port.answer(question(case), seconds)
     if isinstance(found, Failure):
         return _result(case, found.verdict, found.message)
     if found.unsupported is not None:
         return _result(case, "skipped", f"the port says: {found.unsupported}")
-    return judged(case, found, declared.precision, truths)
+    result = judged(case, found, declared.precision, truths)
+    if result.verdict == "fail" and case.rays is None:
+        kept[case.id] = found.arrays["color"]
+    return result
 
 
 def question(case: Case) -> Question:
@@ -74,7 +81,8 @@ def judged(case: Case, reply: Reply, precision: int, truths: Truths) -> CaseResu
     if broken.any():
         where = tuple(int(k) for k in np.argwhere(broken)[0])
         return _result(case, "non-finite", f"{broken.sum()} of {broken.size} {_places(case)} have a colour that is not finite",
-                       where=_named(case, where), expected=_numbers(truth["color"][where]), got=_numbers(answer["color"][where]),
+                       where=_named(case, where), expected=_numbers(truth["color"][where]),
+                       got=_numbers(answer["color"][where]), plane="color",
                        differing=int(broken.sum()), pixels=int(broken.size))
     if _repeats(truth, answer, known):
         return _result(case, "pass", "", pixels=int(known.size), undecided=int((~known).sum()))
@@ -135,13 +143,11 @@ def _failed(case: Case, truth, answer, limits: Limits, planes, wrong, counts) ->
     return _result(case, "fail", f"{share}; first in {means}", stage=stage, where=_named(case, where),
                    expected=_numbers(truth[plane][where]), got=_numbers(answer[plane][where]),
                    bound=None if limit is None else float(max(limit[where], REPEATED)), plane=plane,
-                   causes=causes(case, answer["color"]), **counts)
+                   **counts)
 
 
 def _effect(case: Case, wrong: np.ndarray) -> tuple[str, str]:
     """Which rays the wrong colours depend on: of the truth without one kind of them, what else changes."""
-    from .truth import answered
-
     whole, depends = answered(case).color, {}
     for effect in EFFECTS:
         rest = tuple(e for e in EFFECTS if e != effect)
@@ -156,16 +162,16 @@ def _effect(case: Case, wrong: np.ndarray) -> tuple[str, str]:
     return best, EFFECT_STAGES[best]
 
 
-def causes(case: Case, color: np.ndarray) -> list[Cause]:
-    """The mistakes that would make such a picture, the likeliest first; none where nobody knows."""
-    try:
-        from .image_check import likely_cause
-    except ImportError:
-        return []
-    if case.rays is not None:
-        return []
-    return [Cause(id=id, sentence=sentence, share=float(share))
-            for id, sentence, share in likely_cause(case.scene, METHODS[case.level], color)]
+def _with_causes(results: list[CaseResult], cases: Sequence[Case], kept: dict[str, np.ndarray]) -> list[CaseResult]:
+    """The results, with the mistakes that would explain them on those pictures that tell most: where most pixels differ, one a
+    stage before a second one. It takes seconds a picture."""
+    by_id, worst = {case.id: case for case in cases}, sorted(
+        (r for r in results if r.id in kept), key=lambda r: -r.differing / r.pixels)
+    first = [next(r for r in worst if r.stage == stage) for stage in dict.fromkeys(r.stage for r in worst)]
+    chosen = [*first, *(r for r in worst if r not in first)][:EXPLAINED]
+    found = {r.id: [Cause(id=id, sentence=sentence, share=float(share)) for id, sentence, share in likely_cause(
+        by_id[r.id].scene, METHODS[by_id[r.id].level], kept[r.id])] for r in chosen}
+    return [r.model_copy(update={"causes": found[r.id]}) if r.id in found else r for r in results]
 
 
 def _places(case: Case) -> str:

@@ -97,6 +97,14 @@ class Check(Record):
         return judged and not self.broken and not self.mended and not self.message
 
     @property
+    def causes(self) -> list[Cause]:
+        """The mistakes that pictures show, those that most of them show first, each with its largest share."""
+        found = [cause for result in self.results for cause in result.causes]
+        counts = Counter(cause.id for cause in found)
+        best = {cause.id: cause for cause in sorted(found, key=lambda c: c.share)}
+        return sorted(best.values(), key=lambda c: (-counts[c.id], -c.share))
+
+    @property
     def sentence(self) -> str:
         """Of all cases, those skipped among them."""
         counts = self.counts

@@ -15,18 +15,22 @@ import shutil
 import signal
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from reference_tracer.errors import InputError
+
 from ..execution.process import Worker
 from . import protocol
+from .picture import FinishedPicture, read
 from .protocol import Declaration, Incoming, MalformedError, Question, Reply
 
 MOST_MEMORY = 4 << 30  # bytes that all processes of a port may keep
 MOST_PROCESSES = 128  # a browser has some twenty
 MOST_WRITTEN = 256 << 20  # bytes in the port's folder
 MOST_FILES = 10_000
+MOST_SAID = 1 << 20  # bytes on the stdout of a port that only writes pictures
 EVERY = 0.1  # seconds between two looks
 PR_SET_CHILD_SUBREAPER = 36
 
@@ -94,46 +98,52 @@ class Port(Worker):
             self._end()
             return Failure("malformed", str(error))
 
-    def run_to_its_end(self, limit: float) -> Failure | None:
-        """Waits for a port that is no server: None where it ended with exit code 0."""
-        found = self._asked(b"", limit, 0, whole=lambda said: False)
-        self._end()
-        return found if isinstance(found, Failure) else None
-
-    def _asked(self, request: bytes, limit: float, most: int, whole=None) -> tuple[Incoming, bytes] | Failure:
+    def _asked(self, request: bytes, limit: float, most: int) -> tuple[Incoming, bytes] | Failure:
+        """The answer to `request`, of at most so many bytes after its first line."""
         incoming = Incoming(most)
+        said = self._exchanged(request, limit, incoming)
+        if isinstance(said, Failure):
+            return said
+        if incoming.header is None or len(said) < incoming.end:
+            short = "" if incoming.header is None else f", {incoming.end - len(said):,} bytes short of an answer"
+            told = self._told()
+            self._end()
+            return Failure("crashed", told + short)
+        return incoming, said
+
+    def _waited(self, limit: float) -> Failure | None:
+        """None if the process ends by itself with exit code 0. What it says is not listened to."""
+        said = self._exchanged(b"", limit, lambda said: len(said) > MOST_SAID)
+        if isinstance(said, Failure):
+            return said
+        told = self._told()
+        return None if told == "the port ended with exit code 0" else Failure("crashed", told)
+
+    def _exchanged(self, request: bytes, limit: float, whole: Callable[[bytes], bool]) -> bytes | Failure:
         try:
             if self._process is None:
                 _subreaper()
                 self._others = _children()
             self._start()
-            said = self._exchange(request, limit, lambda label, share: None, whole or incoming)
+            return self._exchange(request, limit, lambda label, share: None, whole)
         except TimeoutError:
-            self._end()
-            return Failure("timeout", f"no answer within {limit:g} s")
+            failure = Failure("timeout", f"no answer within {limit:g} s")
         except MalformedError as error:
-            self._end()
-            return Failure("malformed", str(error))
+            failure = Failure("malformed", str(error))
         except _TooMuchError as error:
-            self._end()
-            return Failure("crashed", f"was ended: {error}")
+            failure = Failure("crashed", f"was ended: {error}")
         except OSError as error:
-            if self._process is None:
-                return Failure("crashed", f"cannot be started: {protocol.shown(self.command[0])} ({error.strerror})")
-            said = b""
-        if whole is None and (incoming.header is None or len(said) < incoming.end):
-            missing = "" if incoming.header is None else f", {incoming.end - len(said):,} bytes short of an answer"
-            return Failure("crashed", self._told(said) + missing)
-        if whole is not None and (told := self._told(said)) != "the port ended with exit code 0":
-            return Failure("crashed", told)
-        return incoming, said
-
-    def _told(self, said: bytes) -> str:
-        """How it ended, and its last words."""
-        told = self._obituary(b"")
+            if self._process is not None:  # it died before it had read the request
+                return b""
+            failure = Failure("crashed", f"cannot be started: {protocol.shown(self.command[0])} ({error.strerror})")
         self._end()
-        return protocol.printable(told.partition("; its last words")[0] if told.startswith("the port ended with exit code 0")
-                                  else told, 400)
+        return failure
+
+    def _told(self) -> str:
+        """How it ended, and its last words if it did not end well."""
+        told = self._obituary(b"")
+        fine, _, _ = told.partition("; its last words")
+        return protocol.printable(fine if fine == "the port ended with exit code 0" else told, 400)
 
     # --- what it may use -------------------------------------------------------------------------------------------
     def _look_after(self) -> None:
@@ -188,6 +198,44 @@ class Port(Worker):
     def __exit__(self, *_):
         self._end()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class Painter(Port):
+    """A port without the protocol: it is run once a picture, as CMD SCENE PICTURE."""
+
+    def __init__(self, command: Sequence[str], declared: Declaration, suffix: str, memory: int = MOST_MEMORY):
+        super().__init__(command, memory)
+        self.program, self.declared, self.suffix = self.command, declared, suffix
+
+    def greet(self, limit: float) -> Declaration:
+        return self.declared
+
+    def answer(self, question: Question, limit: float) -> Reply | Failure:
+        """The picture that it makes within `limit` seconds."""
+        scene, picture = (self.folder / name for name in (f"scene.{_EXTENSION[self.declared.scenes]}", f"picture{self.suffix}"))
+        scene.write_bytes(question.payload(self.declared.scenes))
+        self.command = [*self.program, str(scene), str(picture)]
+        failed = self._run_to_its_end(limit, lambda: read(picture))
+        if isinstance(failed, Failure):
+            return failed
+        if failed.color.shape[:2] != question.shape:
+            height, width = failed.color.shape[:2]
+            return Failure("malformed", f"a picture of {width} x {height} pixels in place of {question.shape[1]} x "
+                                        f"{question.shape[0]}")
+        return Reply({"color": failed.color})
+
+    def _run_to_its_end(self, limit: float, read_back: Callable[[], FinishedPicture]) -> FinishedPicture | Failure:
+        """What it has left when it ends with exit code 0; the picture is read before its folder is emptied."""
+        found = self._waited(limit)
+        try:
+            return found or read_back()
+        except InputError as error:
+            return Failure("malformed", protocol.printable(str(error).replace(str(self.folder), ""), 300))
+        finally:
+            self._end()
+
+
+_EXTENSION = {"json": "json", "text": "txt"}
 
 
 def _bounded() -> None:

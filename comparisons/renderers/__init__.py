@@ -1,6 +1,7 @@
 """The renderers that can be compared: one file a renderer, found by its name here.
 
-To add a renderer: write a file with a function `render(scene, **settings) -> Picture` and an entry in RENDERERS. The
+To add a renderer: write a file with a function `render(scene, **settings) -> Picture` and an entry in RENDERERS, which
+says what of `tracing` it cannot express: it is compared on the nearest scene that it can (`nearest`). The
 picture's metadata tells `build`, `first` and `warm` seconds where the renderer has such phases.
 """
 
@@ -18,6 +19,8 @@ from reference_tracer.scene.model import Scene
 from reference_tracer.tracer.render import Picture
 
 from ..execution.code import installed, program
+from . import expressible
+from .expressible import EMBREE, MITSUBA, POVRAY, Lack, Nearest
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,7 @@ class Renderer:
     settings: dict = field(default_factory=dict)
     program: str = ""
     package: str = ""
+    lacks: tuple[Lack, ...] = ()  # what of a scene it cannot express
 
     @property
     def code(self) -> tuple[str, ...]:
@@ -47,14 +51,16 @@ RENDERERS = {r.name: r for r in (
     Renderer("exact", "reference, exact intersections", "reference", {"method": "exact"}),
     Renderer("paper", "reference, the document's literal method", "reference", {"method": "paper"}),
     Renderer("mitsuba-native", "Mitsuba 3, native shapes", "mitsuba",
-             {"shapes": "native", "resolution": 256, "require_native": True}),
-    Renderer("mitsuba-mesh", "Mitsuba 3, meshes", "mitsuba", {"shapes": "mesh", "resolution": 256}),
+             {"shapes": "native", "resolution": 256, "require_native": True}, lacks=MITSUBA),
+    Renderer("mitsuba-mesh", "Mitsuba 3, meshes", "mitsuba", {"shapes": "mesh", "resolution": 256}, lacks=MITSUBA),
     Renderer("mitsuba-refined", "Mitsuba 3, hits moved onto f", "mitsuba",
-             {"shapes": "native", "resolution": 256, "refined": True}),
-    Renderer("mitsuba-sdfgrid", "Mitsuba 3, grids", "mitsuba", {"shapes": "sdfgrid", "resolution": 128}),
-    Renderer("embree", "Embree, meshes", "embree", {"resolution": 256}, package="embreex"),
-    Renderer("povray", "POV-Ray 3.7, its own primitives", "povray", {"shapes": "native", "accuracy": 1e-8}, "povray"),
-    Renderer("povray-isosurface", "POV-Ray 3.7, isosurfaces", "povray", {"shapes": "isosurface", "accuracy": 1e-8}, "povray"),
+             {"shapes": "native", "resolution": 256, "refined": True}, lacks=MITSUBA),
+    Renderer("mitsuba-sdfgrid", "Mitsuba 3, grids", "mitsuba", {"shapes": "sdfgrid", "resolution": 128}, lacks=MITSUBA),
+    Renderer("embree", "Embree, meshes", "embree", {"resolution": 256}, package="embreex", lacks=EMBREE),
+    Renderer("povray", "POV-Ray 3.7, its own primitives", "povray", {"shapes": "native", "accuracy": 1e-8}, "povray",
+             lacks=POVRAY),
+    Renderer("povray-isosurface", "POV-Ray 3.7, isosurfaces", "povray", {"shapes": "isosurface", "accuracy": 1e-8}, "povray",
+             lacks=POVRAY),
 )}
 
 
@@ -63,6 +69,11 @@ def find(name: str) -> Renderer:
     if name not in RENDERERS:
         raise InputError(f"unknown renderer {name!r}; choose one of {', '.join(RENDERERS)}")
     return RENDERERS[name]
+
+
+def nearest(scene: Scene, *names: str) -> Nearest:
+    """The scene nearest to `scene` that all renderers called `names` can express, and what is otherwise in it."""
+    return expressible.nearest(scene, [(find(name).title.partition(",")[0], find(name).lacks) for name in names])
 
 
 def parsed(name: str, settings: dict[str, str]) -> dict:

@@ -65,7 +65,8 @@ class _Rays:
         return len(self.d)
 
     def of(self, which) -> _Rays:
-        return _Rays(self.start.of(which), self.d[which], self.inside[which], self.left[which], self.weight[which], self.slot[which])
+        return _Rays(self.start.of(which), self.d[which], self.inside[which], self.left[which], self.weight[which],
+                     self.slot[which])
 
 
 @dataclass

@@ -46,17 +46,21 @@ def run(arguments) -> int:
 
 
 def _one(arguments) -> int:
+    from comparisons import renderers
     from comparisons.attribution.measure import attribute, of_fault, of_renderer
     from comparisons.progress import Progress
     from reference_tracer.scene.library import find
 
-    scene = resized(find(arguments.scene), arguments.size)
+    both = ("exact" if arguments.fault is not None else arguments.against, arguments.renderer)
+    near = renderers.nearest(resized(find(arguments.scene), arguments.size), *both)
     if arguments.fault is not None:
         a, b = of_renderer(arguments.renderer), of_fault(arguments.fault)
     else:
         a, b = of_renderer(arguments.against), of_renderer(arguments.renderer)
     with Progress(10) as bar:
-        attribution = attribute(scene, a, b, progress=lambda stage: bar.step(label=stage))
+        attribution = attribute(near.scene, a, b, progress=lambda stage: bar.step(label=stage))
+    if near.words:
+        attribution = attribution.model_copy(update={"sentence": f"{attribution.sentence}; compared with {near.words}"})
     if arguments.json:
         print(attribution.model_dump_json(indent=1))
     else:

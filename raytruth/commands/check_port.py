@@ -76,6 +76,8 @@ def run(arguments) -> int:
         print(found.model_dump_json(indent=1))
     else:
         print(found.message or found.sentence)
+        for cause in found.causes[:4]:
+            print(f"it looks like this mistake: {cause.sentence} ({cause.id}, {cause.share:.0%} of what differs)")
         for id in found.mended:
             print(f"{id} is listed as failing, but passes: take it out of the list")
     return 0 if found.holds else 1
@@ -85,14 +87,13 @@ def _checked(arguments, command, known, bar):
     from comparisons.ports import cases as all_cases
     from comparisons.ports import check
     from comparisons.ports.document import Check
-    from comparisons.ports.session import Failure, Port
+    from comparisons.ports.session import Failure
     from comparisons.ports.truth import Truths
     from comparisons.suites import head
 
     start, chosen, message, results = time.monotonic(), all_cases.chosen(arguments.only), "", []
-    with Port(command) as port:
+    with _port(arguments, command) as port:
         if arguments.image_only:
-            port.draws(arguments.scenes, arguments.pictures, arguments.level, arguments.precision)
             chosen = tuple(case for case in chosen if case.rays is None)
         declared = port.greet(min(arguments.seconds, 30))
         if not isinstance(declared, Failure):
@@ -119,6 +120,18 @@ def _checked(arguments, command, known, bar):
     return Check(**head(start), command=command, port=declared, message=message, results=results)
 
 
+def _port(arguments, command):
+    from comparisons.ports.protocol import PROTOCOL, SWITCHES, Declaration
+    from comparisons.ports.session import Painter, Port
+
+    if not arguments.image_only:
+        return Port(command)
+    declared = Declaration(protocol=PROTOCOL, name=Path(command[0]).name[:100], scenes=arguments.scenes,
+                           levels=(arguments.level,), precision=arguments.precision,
+                           switches=SWITCHES)
+    return Painter(command, declared, arguments.pictures)
+
+
 def _introduce(declared) -> None:
     print(sentence(f"{declared.name} {declared.version}: {' and '.join(declared.levels)}, fp{declared.precision}, surfaces "
                    f"{', '.join(declared.surfaces)}; switches {', '.join(declared.switches) or 'none'}"))
@@ -143,7 +156,6 @@ def _line(result, arguments, command) -> str:
         bound = f", bound {result.bound:.2g}" if result.bound is not None else ""
         lines.append(f"            {result.plane or 'color'} at {result.where.text}: expected {numbers(result.expected)}, "
                      f"got {numbers(result.got)}{bound}")
-    lines += [f"            looks like: {cause.sentence} ({cause.share:.0%} of what differs)" for cause in result.causes[:2]]
     if result.verdict == "fail":
         import shlex
 

@@ -13,6 +13,7 @@ planes in full double precision. A picture that takes long is told what it will 
 from __future__ import annotations
 
 import json
+import sys
 import time
 from pathlib import Path
 
@@ -135,6 +136,9 @@ def _with_other_renderer(scene, arguments):
         if key in settings:
             raise InputError(f"--set {item}: sets {key} a second time; keep one of them")
         settings[key] = value
-    settings = renderers.parsed(arguments.renderer, settings)
+    settings, near = renderers.parsed(arguments.renderer, settings), renderers.nearest(scene, arguments.renderer)
+    if near.words:  # so that no other scene's picture passes for this one's
+        print(f"raytruth: {scene.name}: rendered with {near.words}", file=sys.stderr)
     with Progress(1.0, label=f"{scene.name} with {arguments.renderer}"):
-        return renderers.render(arguments.renderer, scene, settings)
+        picture = renderers.render(arguments.renderer, near.scene, settings)
+    return picture

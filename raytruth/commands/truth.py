@@ -40,8 +40,8 @@ def run(arguments) -> int:
     with Progress(1.0, label="truth") as bar:
         archive = bundle.write(arguments.output, Truths(arguments.results), lambda label, share: bar.to(share, label))
     size = sum(path.stat().st_size for path in arguments.output.rglob("*") if path.is_file())
-    told = {"folder": str(arguments.output), "archive": str(archive), "files": len(bundle.files()), "bytes": size,
-            "archive bytes": archive.stat().st_size}
-    print(json.dumps(told) if arguments.json else
-          f"{told['files']} files, {size / 1e6:.1f} MB in {arguments.output}, {told['archive bytes'] / 1e6:.1f} MB in {archive}")
+    packed, count = archive.stat().st_size, len(bundle.files())
+    told = {"folder": str(arguments.output), "archive": str(archive), "files": count, "bytes": size, "archive bytes": packed}
+    text = f"{count} files, {size / 1e6:.1f} MB in {arguments.output}, {packed / 1e6:.1f} MB in {archive}"
+    print(json.dumps(told) if arguments.json else text)
     return 0

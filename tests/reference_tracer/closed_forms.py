@@ -69,17 +69,19 @@ class Exact:
     def __init__(self, scene):
         self.scene = scene
 
-    def first_hit(self, o, d, inside):
+    def first_hit(self, o, d, inside, limit):
         t = np.stack([first_after_start(line_crossings(obj, o, d), inside[:, k], self._far(obj, d))
                       for k, obj in enumerate(self.scene.objects)], axis=-1)
         index = np.argmin(t, axis=-1)
         t = np.maximum(t[np.arange(len(t)), index], 0)
-        met = t <= self.scene.tracing.max_distance
+        met = t <= limit
         return np.where(met, t, np.inf), np.where(met, index, -1)
 
     def transmittance(self, o, d, inside, distance):
         intensity = np.ones(len(o))
         for k, obj in enumerate(self.scene.objects):
+            if not obj.shadow or (self.scene.tracing.shadows == "opaque_only" and obj.material.transparency > 0):
+                continue  # decision F3
             crossings = line_crossings(obj, o, d)
             first = first_after_start(crossings, inside[:, k], self._far(obj, d))
             count = np.sum((crossings >= first[:, None]) & (crossings < distance[:, None]), axis=-1)

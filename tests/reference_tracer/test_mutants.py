@@ -112,8 +112,8 @@ MUTANTS = {
         "is_inside(o, self.scene.camera.position, literal(o))", "False",
         decisions.test_M3_a_camera_ray_starts_with_the_sign_of_f_at_the_camera, ("exact",)),
     "M3 an epsilon": Mutant(
-        "Ray(pick(arrays.Vector, parents.point, active), d, sides)",
-        "Ray(pick(arrays.Vector, parents.point, active) + d * 1e-4, d, sides)",
+        "Ray(pick(arrays.Vector, parents.point, active), d, sides, left)",
+        "Ray(pick(arrays.Vector, parents.point, active) + d * 1e-4, d, sides, left)",
         decisions.test_M3_nothing_is_offset_by_an_epsilon, ("exact",)),
     "M4 the first in the scene's order": Mutant(
         "((c.order < order) | ((c.order == order) & earlier))", "(c.order < order)",
@@ -136,7 +136,7 @@ MUTANTS = {
         ties.test_M4_the_order_of_the_scene_counts_and_not_that_of_families_or_clusters,
         ("interval", ("formula", "sphere"))),
     "M5 rays of twice the length": Mutant(
-        "dr.select(usable, self.max_distance, 0)", "dr.select(usable, 2 * self.max_distance, 0)",
+        "dr.select(usable, self.range_of(ray), 0)", "dr.select(usable, 2 * self.range_of(ray), 0)",
         decisions.test_M5_every_ray_ends_at_max_distance_counted_anew, ("exact",)),
     "M5 shadow rays beyond the light": Mutant(
         "distance, faces)", "2 * distance, faces)",
@@ -161,7 +161,7 @@ MUTANTS = {
         "return dr.select(cos1 < 0, -gradient, gradient), ", "return gradient, ",
         decisions.test_N1_the_normal_is_turned_against_the_ray, ("negative", "exact")),
     "L1 the last light alone": Mutant(
-        "total += brightness *", "total = brightness *",
+        "else illumination + light", "else light",
         shading.test_L1_lights_add_up_by_channel_and_do_not_fall_off, ("exact",)),
     "L1 falling off": Mutant(
         "cos * intensity, 0)", "cos * intensity / (distance * distance), 0)",

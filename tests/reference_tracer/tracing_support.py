@@ -28,14 +28,14 @@ def make_scene(*objects: dict, lights=(), size=(1, 1), camera: dict | None = Non
                **tracing) -> Scene:
     """A scene through the parser, as a user's file would come. `lights` are (position, brightness) pairs.
 
-    A scene that names no light gets a black one: pictures without any are a case of their own (test_shading).
+    What tracing calls `lights` too is `lights_` here. A scene that names no light gets a black one: pictures without any are a case of their own (test_shading).
     """
     document = {
         "camera": {"width": size[0], "height": size[1], **(camera or {})},
         "objects": list(objects),
         "lights": [{"position": list(p), "brightness": list(b)} for p, b in lights or [((0, 0, 0), (0, 0, 0))]],
         "background": list(background),
-        "tracing": tracing}
+        "tracing": {name.rstrip("_"): value for name, value in tracing.items()}}
     return parse_scene(json.dumps(document).encode(), "test scene")
 
 

@@ -65,7 +65,7 @@ class Object:
         self.axes = np.stack([v * cos + np.cross(k, v) * sin + k * (k @ v) * (1 - cos) for v in np.eye(3)], axis=1)
 
     def local(self, point):
-        return ((point - self.center) @ self.axes).T
+        return np.moveaxis((point - self.center) @ self.axes, -1, 0)
 
     def f(self, point):
         return self.sign * SURFACES[self.kind][0](self.local(point), *self.parameters)
@@ -137,21 +137,33 @@ class Scene:
 # --- sections 4.1 and 4.2 -------------------------------------------------------------------------------------------------
 
 
+AT_ONCE = 64  # steps
+
+
+def sides_along(scene, o, d, steps, limit):
+    """t and the sides, (n, steps) and (n, steps, objects), after each step of every ray; it goes no further than `limit`."""
+    t = np.minimum(steps * scene.h, limit[:, None])  # M2
+    return t, scene.sides(o[:, None] + t[..., None] * d[:, None])
+
+
 def first_hit(scene, o, d, inside, limit):
     t_hit, index = np.full(len(d), np.inf), np.full(len(d), -1)
     waiting = np.flatnonzero((limit > 0) & np.isfinite(d).all(axis=-1))
-    step = 0
+    steps = 1 + np.arange(AT_ONCE)
     while len(waiting):
-        step += 1
-        before = (step - 1) * scene.h
-        t = np.minimum(step * scene.h, limit[waiting])  # M2
-        changed = scene.sides(o[waiting] + t[:, None] * d[waiting]) != inside[waiting]  # M1
-        for k in np.flatnonzero(changed.any(axis=0)):
-            rays = waiting[changed[:, k]]
-            root = newton(scene, scene.objects[k], o[rays], d[rays], 0.5 * (before + t[changed[:, k]]))
+        t, now = sides_along(scene, o[waiting], d[waiting], steps, limit[waiting])
+        changed = now != inside[waiting][:, None]  # M1
+        found, row = changed.any(axis=(1, 2)), np.arange(len(waiting))
+        first = changed.any(axis=2).argmax(axis=1)
+        middle = 0.5 * ((steps[first] - 1) * scene.h + t[row, first])
+        for k in np.flatnonzero(changed.any(axis=(0, 1))):
+            here = found & changed[row, first, k]
+            rays = waiting[here]
+            root = newton(scene, scene.objects[k], o[rays], d[rays], middle[here])
             closer = root < t_hit[rays]  # M4
             t_hit[rays[closer]], index[rays[closer]] = root[closer], k
-        waiting = waiting[~changed.any(axis=1) & (t < limit[waiting])]
+        waiting = waiting[~found & (t[:, -1] < limit[waiting])]
+        steps = steps + AT_ONCE
     return t_hit, index
 
 
@@ -170,13 +182,12 @@ def newton(scene, obj, o, d, t):
 
 
 def light_through(scene, o, d, inside, distance):
-    intensity = np.ones(len(d))
-    for step in range(1, 1 + int(np.ceil(distance.max(initial=0) / scene.h))):
-        t = np.minimum(step * scene.h, distance)
-        now = scene.sides(o + t[:, None] * d)
-        intensity = intensity * np.prod(np.where(now != inside, scene.dims, 1.0), axis=-1)  # L3
-        inside = now
-    return intensity
+    crossings, steps = np.zeros(inside.shape, int), 1 + np.arange(AT_ONCE)
+    while len(d) and (steps[0] - 1) * scene.h < distance.max():
+        now = sides_along(scene, o, d, steps, distance)[1]
+        before = np.concatenate([inside[:, None], now[:, :-1]], axis=1)
+        crossings, inside, steps = crossings + (now != before).sum(axis=1), now[:, -1], steps + AT_ONCE
+    return np.prod(np.array(scene.dims) ** crossings, axis=-1)  # L3
 
 
 def trace(scene, o, d, inside, limit, depth):

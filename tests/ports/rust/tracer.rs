@@ -164,10 +164,52 @@ impl Object {
     fn regular_gradient(&self, p: Vec3) -> Vec3 {
         self.world(self.surface.regular_gradient(self.local(p - self.center))) * self.sign
     }
+    // g(t) = a t^2 + b t + c, where f is a quadric
+    fn parabola(&self, o: Vec3, d: Vec3) -> Option<[f64; 3]> {
+        let (p, v) = (self.local(o - self.center), self.local(d));
+        let (square, linear, constant) = match self.surface {
+            Surface::Plane(a, b, c) => (vec3(0.0, 0.0, 0.0), vec3(a, b, c), 0.0),
+            Surface::Sphere(r) => (vec3(1.0, 1.0, 1.0), vec3(0.0, 0.0, 0.0), -r * r),
+            Surface::Ellipsoid(a, b, c) => (vec3(1.0 / (a * a), 1.0 / (b * b), 1.0 / (c * c)), vec3(0.0, 0.0, 0.0), -1.0),
+            Surface::Paraboloid(a, b) => (vec3(1.0 / (a * a), 1.0 / (b * b), 0.0), vec3(0.0, 0.0, -1.0), 0.0),
+            _ => return None,
+        };
+        let a = dot(square * v, v);
+        let b = 2.0 * dot(square * p, v) + dot(linear, v);
+        let c = dot(square * p, p) + dot(linear, p) + constant;
+        Some([a * self.sign, b * self.sign, c * self.sign])
+    }
     fn is_inside(&self, p: Vec3) -> bool {
         let f = self.f(p); // zero and what is not finite are outside (O1, M7)
         f < 0.0 && f.is_finite()
     }
+}
+
+// Where a t^2 + b t + c changes to the other side than the ray's, and back, within (0, range). The ray may begin on the
+// surface: of its roots only those count after which the sign is another than before.
+fn parabola_crossings(a: f64, b: f64, c: f64, side: bool, range: f64) -> Vec<f64> {
+    let mut roots = Vec::new();
+    if a.abs() < 1e-300 {
+        if b != 0.0 {
+            roots.push(-c / b);
+        }
+    } else {
+        let square = b * b - 4.0 * a * c;
+        if square > 0.0 {
+            let q = -0.5 * (b + b.signum() * square.sqrt());
+            roots.extend([q / a, c / q]);
+        }
+    }
+    roots.sort_by(|x, y| x.total_cmp(y));
+    let (mut found, mut inside) = (Vec::new(), side);
+    for t in roots {
+        let falls = 2.0 * a * t + b < 0.0; // from outside to inside
+        if t > 0.0 && t < range && falls != inside {
+            found.push(t);
+            inside = !inside;
+        }
+    }
+    found
 }
 
 type Sides = Vec<bool>; // for every object, whether the ray runs inside it (M3)
@@ -254,10 +296,13 @@ impl Scene {
         t
     }
 
-    // Every change of sign up to `range`, for the model's truth. Within a fine step g is looked at where its slope
+    // Every change of sign up to `range`, for the model's truth. A quadric has closed forms; else, within a fine step g is looked at where its slope
     // vanishes too, so that two roots in one step are seen; each root is then bisected to the last digit.
     fn crossings(&self, k: usize, o: Vec3, d: Vec3, side: bool, range: f64) -> Vec<f64> {
         let object = &self.objects[k];
+        if let Some([a, b, c]) = object.parabola(o, d) {
+            return parabola_crossings(a, b, c, side, range);
+        }
         let g = |t: f64| object.regular(o + d * t);
         let slope = |t: f64| dot(object.regular_gradient(o + d * t), d);
         let (mut found, mut inside, mut before) = (Vec::new(), side, 0.0);
