@@ -189,7 +189,8 @@ def _chosen(name: str, obj: dict):
 
 # --- one bounce, and more (sections 4.3.1 to 4.3.4) ------------------------------------------------------------------------
 FLOOR = _object("plane", (0, -1, 0), a=0, b=1, c=0, color=(0.8, 0.8, 0.75))
-BALLS = [_object("sphere", (-1.1, 0.3, 6), r=0.9, color=(0.9, 0.2, 0.1)), _object("sphere", (1.2, 0.1, 6.5), r=1, color=(0.1, 0.3, 0.9))]
+BALLS = [_object("sphere", (-1.1, 0.3, 6), r=0.9, color=(0.9, 0.2, 0.1)),
+         _object("sphere", (1.2, 0.1, 6.5), r=1, color=(0.1, 0.3, 0.9))]
 LAMP = ((-3, 5, -2), (0.9, 0.9, 0.9))
 DIM = ((4, 3, 1), (0.2, 0.4, 0.3))
 
@@ -214,11 +215,12 @@ def _events() -> Iterator[Group]:
                lights=[LAMP, DIM, ((0, 0.3, 9), (1, 1, 1))])
     glass_in_the_way = _object("sphere", (-1.5, 2.3, 0), r=0.5, T=0.6)
     yield make("shadow", "4.3.1", ("L2", "L3", "M3", "M5"),
-               [*_fan((0, 3, -3), (0, -1, 1.5), 2.5, ("shadow",), 24), *_fan((-3, 5, -2.2), (-1.5, 2.3, 0), 0.4, ("shadow",), 4)],
+               [*_fan((0, 3, -3), (0, -1, 1.5), 2.5, ("shadow",), 24),
+                *_fan((-3, 5, -2.2), (-1.5, 2.3, 0), 0.4, ("shadow",), 4)],
                [FLOOR, _object("sphere", (0.7, 0.2, 1), r=0.6, color=(0.9, 0.4, 0.2)), glass_in_the_way])
     yield make("reflection", "4.3.2", ("R4", "M3", "D2"), _fan(eye, at, 0.85, ("mirror",)),
-               [ball(mirror=0.7, color=(0.9, 0.9, 0.9)), FLOOR, _object("sphere", (1.5, 0.5, -2), r=0.7, color=(0.9, 0.2, 0.1))],
-               background=sky)
+               [ball(mirror=0.7, color=(0.9, 0.9, 0.9)), FLOOR,
+                _object("sphere", (1.5, 0.5, -2), r=0.7, color=(0.9, 0.2, 0.1))], background=sky)
     yield make("refraction", "4.3.3.2", ("E1", "R1", "R4", "M3"), _fan(eye, at, 0.85, ("entering", "leaving"), 16),
                [ball(T=0.9, n=1.5), FLOOR, *BALLS], background=sky)
     yield make("refraction-thinner", "4.3.3", ("R1", "R2", "R3"), _fan(eye, at, 0.88, ("entering", "total"), 16),
@@ -236,11 +238,14 @@ def _events() -> Iterator[Group]:
     for depth in (0, 1, 3):
         yield make(f"recursion-{depth}", "4.3", ("D1", "D2"), _fan((0, 0, -1), (1.5, 0, 1), 0.8, ("depth", "mirror"), 6), hall,
                    lights=[((0.5, 1, 1), (0.7, 0.7, 0.7))], background=sky, max_depth=depth)
-    near = [_object("plane", (0, 0, 3.02), a=0, b=0, c=-1, color=(1, 0, 0)), _object("plane", (0, 0, 3.06), a=0, b=0, c=-1, color=(0, 1, 0)),
-            _object("plane", (0, 0, 3.06), a=0, b=0, c=-1, color=(0, 0, 1)), _object("sphere", (0, 0, 3.5), r=0.47, color=(1, 1, 0))]
+    wall = lambda z, color: _object("plane", (0, 0, z), a=0, b=0, c=-1, color=color)
+    red, green, blue = wall(3.02, (1, 0, 0)), wall(3.06, (0, 1, 0)), wall(3.06, (0, 0, 1))
+    yellow = _object("sphere", (0, 0, 3.5), r=0.47, color=(1, 1, 0))
     front = [((0, 0, -1), (1, 1, 1))]
-    yield make("order", "4.1", ("M4",), _fan((0.3, 0.2, 0), (0, 0, 3), 0.6, ("tie",), 8), [near[1], near[0], near[3]], lights=front)
-    yield make("order-at-one-distance", "4.1", ("M4",), _fan((0, 0, 0), (0, 0, 3), 0.6, ("tie",), 8), near[1:3], lights=front)
+    yield make("order", "4.1", ("M4",), _fan((0.3, 0.2, 0), (0, 0, 3), 0.6, ("tie",), 8), [green, red, yellow],
+               lights=front)
+    yield make("order-at-one-distance", "4.1", ("M4",), _fan((0, 0, 0), (0, 0, 3), 0.6, ("tie",), 8), [green, blue],
+               lights=front)
     yield make("nothing", "4.3", ("D2", "M5"), [*_fan(eye, (0, 5, 1), 1.0, ("background",), 4),
                                                ((0.0, 0.3, -29.5), (0.0, 0.0, 1.0), ("range",)),
                                                ((0.0, 0.3, -30.0), (0.0, 0.0, 1.0), ("range",))], [ball()], background=sky)
@@ -252,7 +257,8 @@ def _switched() -> Iterator[Group]:
     glass = _object("sphere", (0, 0.3, 1), r=0.9, T=0.8, mirror=0.1, n=1.4, color=(0.8, 0.9, 1))
     scene = [glass, FLOOR, *BALLS]
     lights = [LAMP, DIM, ((0, 6, 6), (0.6, 0.6, 0.6))]
-    everything = [*_fan(eye, at, 0.85, ("switch", "entering"), 8), *_fan((0, 3, -3), (0.3, -1, 2), 2.2, ("switch", "shadow"), 16)]
+    everything = [*_fan(eye, at, 0.85, ("switch", "entering"), 8),
+                  *_fan((0, 3, -3), (0.3, -1, 2), 2.2, ("switch", "shadow"), 16)]
     for name, switch, tracing in (("misprint", "E1", {"refraction": "as_printed"}), ("balanced", "F1", {"lights": "balanced"}),
                                   ("ambient", "F2", {"ambient": 0.15}), ("opaque-only", "F3", {"shadows": "opaque_only"}),
                                   ("range-of-a-path", "F4", {"range": "path", "max_distance": 9.0}),

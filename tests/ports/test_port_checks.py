@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,6 @@ from raytruth.cli import main
 from reference_tracer.errors import InputError, MissingError
 from reference_tracer.oracle.literal import LiteralSearch, point_color
 from reference_tracer.scene import library
-
 
 NUMPY = [sys.executable, str(mutants.NUMPY_SOURCE)]
 SOON = ["algorithm:surfaces", "algorithm:events", "algorithm:switches", "algorithm:pictures"]
