@@ -26,6 +26,7 @@ from .protocol import METHODS, Declaration, Question, Reply
 from .session import Failure, Port
 from .truth import Truths, answered, decided
 
+FEWEST = 8  # different numbers, from which on it is no accident that all of them are short
 EXPLAINED = 4  # pictures of which the cause is looked for
 PATIENCE = 3  # failures of the process in a row, after which nothing more is asked
 STAGES = {"object": ("hit", "what a ray hits first (sections 4.1, 4.2)"), "distance": ("root", "where it hits (section 4.2)"),
@@ -62,9 +63,25 @@ def asked(port: Port, declared: Declaration, case: Case, truths: Truths, seconds
     if found.unsupported is not None:
         return _result(case, "skipped", f"the port says: {found.unsupported}")
     result = judged(case, found, declared.precision, truths)
+    if result.verdict == "fail" and (cause := _coarse(found, declared.precision)):
+        return result.model_copy(update={"causes": [cause]})
     if result.verdict == "fail" and case.rays is None:
         kept[case.id] = found.arrays["color"]
     return result
+
+
+def _coarse(answer: Reply, precision: int) -> Cause | None:
+    """What the numbers of an answer themselves tell: that they were rounded to fewer bits than a port claims."""
+    color = answer.arrays["color"]
+    levels = np.unique(color * 255)
+    if len(levels) > FEWEST and np.abs(levels - np.round(levels)).max() < 1e-6:
+        return Cause(id="eight-bits", sentence="colours were rounded to 8 bits", share=1.0)
+    for array in (color, answer.arrays.get("t", color)):
+        finite = np.unique(array[np.isfinite(array)])
+        if precision == 64 and len(finite) > FEWEST and (finite == finite.astype(np.float32)).all():
+            return Cause(id="single-precision", sentence="numbers have the 24 bits of single precision where double is claimed",
+                         share=1.0)
+    return None
 
 
 def question(case: Case) -> Question:
@@ -165,6 +182,8 @@ def _effect(case: Case, wrong: np.ndarray) -> tuple[str, str]:
 def _with_causes(results: list[CaseResult], cases: Sequence[Case], kept: dict[str, np.ndarray]) -> list[CaseResult]:
     """The results, with the mistakes that would explain them on those pictures that tell most: where most pixels differ, one a
     stage before a second one. It takes seconds a picture."""
+    if any(r.causes for r in results):
+        return results
     by_id, worst = {case.id: case for case in cases}, sorted(
         (r for r in results if r.id in kept), key=lambda r: -r.differing / r.pixels)
     first = [next(r for r in worst if r.stage == stage) for stage in dict.fromkeys(r.stage for r in worst)]

@@ -160,8 +160,9 @@ def _chosen(name: str, obj: dict):
         r = obj["surface"]["r"]
         yield *along_z(x0, y0), ("axis",)
         yield (x0, y0, z0), (0.0, 1.0, 0.0), ("axis", "inside")
+        # from 0.05 on, so that the middle of each chord lies between two samples
         for chord in (0.3, 0.09, 0.04, 0.01):
-            yield *along_z(x0 + math.sqrt(r * r - chord * chord / 4), y0, 0.0), ("grazing", *(("thin",) if chord < 0.1 else ()))
+            yield *along_z(x0 + math.sqrt(r * r - chord * chord / 4), y0, 0.05), ("grazing", *(("thin",) if chord < 0.1 else ()))
         yield *along_z(x0, y0, z0 - r - 29.9), ("range",)
         yield *along_z(x0, y0, z0 - r - 30.2), ("range",)
     elif name == "plane":
@@ -172,19 +173,19 @@ def _chosen(name: str, obj: dict):
         yield *along_z(x0 + 1.3, y0), ("axis",)
         yield (x0 - 4, y0, z0), (1.0, 0.0, 0.0), ("axis",)
         yield (x0 + 1.3, y0, z0), (0.0, 0.0, 1.0), ("axis", "inside")
-        yield *along_z(x0 + 1.3 + math.sqrt(0.16 - 0.0009), y0), ("grazing", "thin")
+        yield *along_z(x0 + 1.3 + math.sqrt(0.16 - 0.0009), y0, -2.95), ("grazing", "thin")
         yield *_towards((x0 - 4, y0 - 0.2, z0 + 0.39), (x0 + 4, y0 - 0.2, z0 + 0.39)), ("grazing",)
     elif name == "paraboloid":
         yield (x0, y0, z0 - 3), (0.0, 0.0, 1.0), ("axis",)
         yield (x0, y0, z0 + 1), (1.0, 0.0, 0.0), ("axis", "inside")
-        yield (x0 - 3, y0, z0 + 0.001), (1.0, 0.0, 0.0), ("grazing", "thin")
+        yield (x0 - 3.05, y0, z0 + 0.001), (1.0, 0.0, 0.0), ("grazing", "thin")
     elif name == "heart":
         for degrees in range(0, 360, 30):  # the ellipse y = 0, x^2 + 9/4 z^2 = 1
             angle = math.radians(degrees)
             point = (x0 + math.cos(angle), y0, z0 + 2 / 3 * math.sin(angle))
             yield *_towards((x0 + 4 * math.cos(angle), y0 + 1, z0 + 4 * math.sin(angle)), point), ("singular",)
-        yield *along_z(x0, y0 + 1.05, 0.0), ("grazing",)
-        yield *along_z(x0, y0 - 0.98, 0.0), ("grazing", "thin")
+        yield *along_z(x0, y0 + 1.05, 0.05), ("grazing",)
+        yield *along_z(x0, y0 - 0.98, 0.05), ("grazing", "thin")
 
 
 # --- one bounce, and more (sections 4.3.1 to 4.3.4) ------------------------------------------------------------------------
