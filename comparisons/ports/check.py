@@ -185,7 +185,7 @@ def _with_causes(results: list[CaseResult], cases: Sequence[Case], kept: dict[st
     if any(r.causes for r in results):
         return results
     by_id, worst = {case.id: case for case in cases}, sorted(
-        (r for r in results if r.id in kept), key=lambda r: -r.differing / r.pixels)
+        (r for r in results if r.id in kept), key=lambda r: -r.differing)
     first = [next(r for r in worst if r.stage == stage) for stage in dict.fromkeys(r.stage for r in worst)]
     chosen = [*first, *(r for r in worst if r not in first)][:EXPLAINED]
     found = {r.id: [Cause(id=id, sentence=sentence, share=float(share)) for id, sentence, share in likely_cause(

@@ -82,8 +82,8 @@ def test_a_right_port_passes(command, truths):
 def test_the_truth_of_a_scene_fails_as_that_of_every_other(truths):
     size = (16, 12)
     named = {name: Case(name, "model", library.scene(name).resized(*size, samples=1), "7")
-             for name in ("effect-shading", "effect-shadow", "effect-mixing", "figure-05-sphere", "figure-06-ellipsoid",
-                          "figure-10-refraction-n0.8", "figure-11-refraction-n0.9", "figure-12-refraction-n1.0")}
+             for name in ("effect-shading", "effect-shadow", "figure-05-sphere", "figure-06-ellipsoid",
+                          "figure-10-refraction-n0.8", "figure-12-refraction-n1.0")}
     answers = {name: Reply({plane: truths.planes(case)[plane] for plane in ("color", "t", "normal")})
                for name, case in named.items()}
     for name, case in named.items():

@@ -2,7 +2,7 @@
 //
 //   g++ -std=c++17 -O3 -march=native -pthread tracer.cpp -o tracer
 //   python -m converters.plain figure-17-scene1 scene.txt && ./tracer scene.txt picture.raw 2
-//   raytruth check-port -- ./tracer --serve
+//   raytruth check-port -- ./tracer --serve          (or --serve-exact: no root is missed that can be seen, the model's truth)
 //
 // Written from the document (sections in brackets) and reference_tracer/DECISIONS.md (ids such as M3), independently of
 // the Python tracer, which it checks and is timed against. It reads the plain text of converters/plain.py. It writes,
@@ -48,6 +48,7 @@ struct Surface {
     virtual double f(Vec p) const = 0;
     virtual Vec gradient(Vec p) const = 0;
     virtual Vec normal(Vec p) const { return gradient(p); }
+    virtual double regular(Vec p) const { return f(p); }  // of the same zeros, and the gradient `normal`
 };
 
 struct Plane : Surface {
@@ -107,6 +108,10 @@ struct Heart : Surface {
         double k = p.y / (3 * root * root);
         return {2 * p.x - k * 2 * p.x, 2 * p.y - root, 4.5 * p.z - k * 9.0 / 40.0 * p.z};
     }
+    double regular(Vec p) const override {
+        double x2 = p.x * p.x, z2 = p.z * p.z;
+        return x2 + 9.0 / 4.0 * z2 + p.y * p.y - 1 - p.y * std::cbrt(x2 + 9.0 / 80.0 * z2);
+    }
 };
 
 struct Object {
@@ -128,6 +133,8 @@ struct Object {
     double f(Vec point) const { return sign * surface->f(to_local(point - center)); }
     Vec gradient(Vec point) const { return to_world(surface->gradient(to_local(point - center))) * sign; }
     Vec normal(Vec point) const { return normalize(to_world(surface->normal(to_local(point - center)))); }
+    double regular(Vec point) const { return sign * surface->regular(to_local(point - center)); }
+    double slope(Vec point, Vec d) const { return sign * dot(to_world(surface->normal(to_local(point - center))), d); }
     bool is_inside(Vec point) const {  // 0 and what is not finite are outside (O1, M7)
         double value = f(point);
         return value < 0 && std::isfinite(value);
@@ -174,6 +181,7 @@ struct Scene {
     int max_iterations = 20, max_depth = 8, samples = 1;
     bool balanced = false, opaque_only = false, shared_range = false;  // F1, F3, F4
     bool as_printed = false;  // E1
+    bool exact = false;       // the model's truth
     double ambient = 0;  // F2
     Vec background;
     std::vector<Object> objects;
@@ -184,6 +192,13 @@ struct Scene {
     Hit first_hit(Vec o, Vec d, const Sides& sides, double range) const {
         Hit hit;
         if (!std::isfinite(dot(d, d))) return hit;  // the misprint makes directions of NaN (E1)
+        if (exact) {
+            for (size_t k = 0; k < objects.size(); k++) {
+                double root = crossing(objects[k], o, d, sides[k], 0, std::min(range, hit.t));
+                if (root < hit.t) hit = {root, static_cast<int>(k)};
+            }
+            return hit;
+        }
         double t = 0;
         for (int step = 1; t < range && hit.index < 0; step++) {
             double before = (step - 1) * step_size;
@@ -197,6 +212,27 @@ struct Scene {
             }
         }
         return hit;
+    }
+
+    // The model's truth: the first t in (from, range) at which the ray is no longer `inside`, or no longer outside. Steps are
+    // cut where g has an extremum, so that two roots in one step are seen; roots are bisected.
+    double crossing(const Object& object, Vec o, Vec d, bool inside, double from, double range) const {
+        const double fine = 0.02, towards = inside ? 1 : -1;
+        auto crossed = [&](double t) { return (object.regular(o + d * t) < 0) != inside; };
+        auto nears = [&](double t) { return object.slope(o + d * t, d) * towards > 0; };
+        for (double t = from; t < range;) {
+            double next = std::min(t + fine, range), low = t, high = next;
+            if (!crossed(high) && nears(low) && !nears(high)) {
+                double a = low;
+                for (int i = 0; i < 60; i++) (nears(0.5 * (a + high)) ? a : high) = 0.5 * (a + high);
+            }
+            if (crossed(high)) {
+                for (double m = 0.5 * (low + high); m > low && m < high; m = 0.5 * (low + high)) (crossed(m) ? high : low) = m;
+                return high;
+            }
+            t = next;
+        }
+        return std::numeric_limits<double>::infinity();
     }
 
     double newton(const Object& object, Vec o, Vec d, double t) const {
@@ -213,6 +249,15 @@ struct Scene {
     // --- shadow ray [4.3.1] ---
     double light_through(Vec o, Vec d, double distance, Sides sides) const {
         double intensity = 1, t = 0;
+        for (size_t k = 0; exact && k < objects.size(); k++) {
+            if (!objects[k].shadow || (opaque_only && objects[k].transparency > 0)) continue;
+            double from = 0;
+            while (intensity > 0 && (from = crossing(objects[k], o, d, sides[k], from, distance)) < distance) {
+                intensity *= objects[k].transparency;
+                sides[k] = !sides[k];
+            }
+        }
+        if (exact) return intensity;
         for (int step = 1; t < distance && intensity > 0; step++) {
             t = std::min(step * step_size, distance);
             Vec point = o + d * t;
@@ -339,7 +384,8 @@ Picture blank(size_t pixels) {
 
 Sides sides_at(const Scene& scene, Vec point) {  // M3: where a ray begins that has no parent
     Sides sides;
-    for (const Object& object : scene.objects) sides.push_back(object.is_inside(point));
+    for (const Object& object : scene.objects)
+        sides.push_back(scene.exact ? object.regular(point) < 0 : object.is_inside(point));
     return sides;
 }
 
@@ -452,7 +498,7 @@ void write_block(std::ostream& file, const std::vector<T>& block) {
 
 // --- raytruth's protocol: docs/ports/protocol.md ----------------------------------------------------------------------
 
-void serve(int threads) {
+void serve(int threads, bool exact) {
     std::string line;
     while (std::getline(std::cin, line)) {
         int seq = 0;
@@ -462,7 +508,8 @@ void serve(int threads) {
                         &bytes) != 4)
             throw std::runtime_error("not a request: " + line);
         if (op == std::string("hello")) {
-            std::cout << R"({"protocol": 1, "name": "raytruth C++ example", "version": "1", "levels": ["algorithm"], )"
+            std::cout << R"({"protocol": 1, "name": "raytruth C++ example", "version": "1", "levels": [")"
+                      << (exact ? "model" : "algorithm") << R"("], )"
                       << R"("precision": 64, "switches": ["E1", "F1", "F2", "F3", "F4", "F5"]})" << std::endl;
             continue;
         }
@@ -470,6 +517,7 @@ void serve(int threads) {
         std::cin.read(text.data(), static_cast<std::streamsize>(bytes));
         std::istringstream in(text);
         Scene scene = read_scene(in);
+        scene.exact = exact;
         Picture picture = scene.rays.empty() ? render(scene, threads) : trace_given(scene);
         size_t n = picture.t.size();
         std::string shape = scene.rays.empty() ? std::to_string(scene.height) + ", " + std::to_string(scene.width)
@@ -488,7 +536,8 @@ void serve(int threads) {
 }
 
 int main(int argc, char** argv) try {
-    if (argc > 1 && std::string(argv[1]) == "--serve") return serve(2), 0;
+    std::string option = argc > 1 ? argv[1] : "";
+    if (option == "--serve" || option == "--serve-exact") return serve(2, option == "--serve-exact"), 0;
     if (argc < 3 || argc > 4) throw std::runtime_error("usage: tracer SCENE.txt PICTURE.raw [THREADS]");
     Scene scene = read_scene(argv[1]);
     int threads = argc > 3 ? std::max(1, std::stoi(argv[3])) : 2;
