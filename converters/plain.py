@@ -8,11 +8,13 @@
     light       position(3) brightness(3)
     object      colour(3) reflection transparency refractive_index  center(3) axis(3) degrees sign  kind parameters
     shadowless  number of an object
+    misprint
 
 `sign` is -1 where f > 0 is inside; `degrees` 0 means no rotation. Most scenes lack the lines `axes`, of a camera whose
 axes do not follow from `up` (decision F5), `figures`, the words of decisions F1 to F4 as in a scene file where one is not
-"sum", 0, "attenuate" or "ray", and `shadowless`, an object (counted from 0) that dims no light. Numbers have as many digits
-as it takes to read them back exactly. `raytruth export SCENE -o FILE.txt` writes one.
+"sum", 0, "attenuate" or "ray", `shadowless`, an object (counted from 0) that dims no light, and `misprint`, of refraction as
+printed (decision E1). Numbers have as many digits as it takes to read them back exactly. `raytruth export
+SCENE -o FILE.txt` writes one.
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ def plain(scene: Scene) -> str:
         _line("background", *scene.background),
         *(_line("light", *light.position, *light.brightness) for light in scene.lights),
         *(_object(obj) for obj in scene.objects),
-        *(_line("shadowless", k) for k, obj in enumerate(scene.objects) if not obj.shadow)]
+        *(_line("shadowless", k) for k, obj in enumerate(scene.objects) if not obj.shadow),
+        *(["misprint"] if tracing.refraction == "as_printed" else [])]
     return "\n".join(lines) + "\n"
 
 
@@ -58,7 +61,7 @@ def _object(obj: Object) -> str:
 
 
 def _require_the_documents_own(scene: Scene) -> None:
-    plain_tracing, own = Tracing(), ("refraction", "effects", "cutoff", "adaptive", "precision")
+    plain_tracing, own = Tracing(), ("effects", "cutoff", "adaptive", "precision")
     changed = [name for name in own if getattr(scene.tracing, name) != getattr(plain_tracing, name)]
     if set(scene.tracing.effects) == set(EFFECTS) and "effects" in changed:
         changed.remove("effects")

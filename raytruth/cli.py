@@ -12,8 +12,8 @@ from importlib import import_module
 
 from .arguments import Parser, sentence
 
-COMMANDS = ("scenes", "render", "export", "compare", "attribute", "report", "certify", "sensitivity", "stability",
-            "transport", "chart", "plan", "doctor")
+COMMANDS = ("scenes", "render", "export", "check-image", "check-port", "truth", "compare", "attribute", "report", "certify",
+            "sensitivity", "stability", "transport", "chart", "plan", "doctor")
 KEEPING = ("compare", "attribute", "transport", "chart")  # those whose next run reuses what an interrupted one finished
 OK, FINDINGS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -36,7 +36,7 @@ def main(argv: list[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     modules = {}
     for name in COMMANDS:
-        module = modules[name] = import_module(f"raytruth.commands.{name}")
+        module = modules[name] = import_module(f"raytruth.commands.{name.replace('-', '_')}")
         summary = module.__doc__.splitlines()[0]
         own = commands.add_parser(name, help=summary[0].lower() + summary[1:].rstrip("."), description=module.__doc__,
                                   formatter_class=argparse.RawDescriptionHelpFormatter)

@@ -14,7 +14,7 @@ from .document import History, Ray
 MOST_RAYS = 64  # shown of a pixel
 
 
-class _Recorder(Watch):
+class Recorder(Watch):
     """Notes what every ray of some pixels meets, a list of rays for each."""
 
     def __init__(self, scene: Scene, count: int):
@@ -44,7 +44,7 @@ class _Recorder(Watch):
 
 def ours(renderer: Renderer, places: Sequence[tuple[int, int]], title: str) -> list[History]:
     """The rays of each of the pixels (row, col) as the reference tracer traces them, with all samples."""
-    recorder = _Recorder(renderer.scene, len(places))
+    recorder = Recorder(renderer.scene, len(places))
     renderer.follow([row * renderer.scene.camera.width + col for row, col in places], recorder)
     return [shortened(title, rays) for rays in recorder.rays]
 

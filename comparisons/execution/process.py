@@ -24,6 +24,9 @@ STATES = ("ok", "crashed", "refused", "missing", "unwritable")
 class Worker:
     """A child process, started when first asked and replaced after a crash or a timeout."""
 
+    noun = "the renderer's process"
+    started_with: dict = {}  # what subprocess.Popen is told beside
+
     def __init__(self, command: list[str], environment: dict[str, str] | None = None):
         self.command, self.environment = command, environment
         self._process: subprocess.Popen | None = None
@@ -43,7 +46,7 @@ class Worker:
             return {"state": "timeout", "message": f"gave no answer within {limit:g} s"}
         except OSError as error:  # it died before it had read the request, or could not even be started
             if self._process is None:
-                return {"state": "crashed", "message": f"the renderer's process could not be started ({error.strerror})"}
+                return {"state": "crashed", "message": f"{self.noun} could not be started ({error.strerror})"}
             line = b""
         if b"\n" not in line:
             return {"state": "crashed", "message": self._obituary(line)}
@@ -84,7 +87,8 @@ class Worker:
         self.close()
         self._said = b""
         self._process = subprocess.Popen(self.command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                         stderr=subprocess.PIPE, bufsize=0, process_group=0, env=self.environment)
+                                         stderr=subprocess.PIPE, bufsize=0, process_group=0, env=self.environment,
+                                         **self.started_with)
         for pipe in (self._process.stdin, self._process.stdout, self._process.stderr):
             os.set_blocking(pipe.fileno(), False)
         if self._stopped:
@@ -106,8 +110,12 @@ class Worker:
         """Whether the process has ended. It is not reaped: its id stays taken, so that its group can still be killed."""
         return os.waitid(os.P_PID, self._process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
 
-    def _exchange(self, request: bytes, limit: float, told: Callable[[str, float], None]) -> bytes:
-        """Sends `request`; the line that comes back, or what there is of it when the process ended or closed its output.
+    def _look_after(self) -> None:
+        """Called again and again while an answer is waited for."""
+
+    def _exchange(self, request: bytes, limit: float, told: Callable[[str, float], None],
+                  whole: Callable[[bytes], bool] = lambda said: b"\n" in said or len(said) > LONGEST_ANSWER) -> bytes:
+        """Sends `request`; what comes back, as soon as it is `whole`, the process ended or closed its output.
 
         Both ways piecewise: a worker that reads nothing, or whose line never ends, must time out too. What it says on
         stderr is read on the way, so that it cannot block on a full pipe, and all but the last words are forgotten.
@@ -129,10 +137,11 @@ class Worker:
                 if process.stdout in ready:
                     piece = os.read(process.stdout.fileno(), PIECE)
                     line = _after_progress(line + piece, told)
-                    if not piece or b"\n" in line or len(line) > LONGEST_ANSWER:
+                    if not piece or whole(line):
                         return line
                 elif ended:  # a child of it may hold the pipe open
                     return line
+                self._look_after()
                 if time.monotonic() > deadline:
                     raise TimeoutError
 
@@ -148,7 +157,7 @@ class Worker:
     def _obituary(self, line: bytes) -> str:
         if len(line) > LONGEST_ANSWER:
             self.close()
-            return f"the renderer's process answered more than {LONGEST_ANSWER >> 10} KiB"
+            return f"{self.noun} answered more than {LONGEST_ANSWER >> 10} KiB"
         patience = time.monotonic() + 2
         while not self._ended() and time.monotonic() < patience:
             time.sleep(0.02)
@@ -164,7 +173,7 @@ class Worker:
         else:
             how = f"ended with exit code {process.returncode}"
         said = [words for line in _text(self._said).splitlines() if (words := line.strip())]
-        return f"the renderer's process {how}" + (f"; its last words: {said[-1][:300]}" if said else "")
+        return f"{self.noun} {how}" + (f"; its last words: {said[-1][:300]}" if said else "")
 
 
 def _after_progress(said: bytes, told: Callable[[str, float], None]) -> bytes:

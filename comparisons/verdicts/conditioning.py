@@ -14,6 +14,7 @@ import numpy as np
 
 from reference_tracer.scene.load import parse_scene
 from reference_tracer.scene.model import Scene
+from reference_tracer.tracer.given_rays import GivenRays
 from reference_tracer.tracer.render import UNDECIDED
 from reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNIT, Displaced, perturbed, response
 
@@ -82,12 +83,12 @@ def make(arguments: dict) -> dict:
     return {"state": "ok"}
 
 
-def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact") -> Limits:
-    """The limits of a renderer of `accuracy` on `scene`, against the reference's `method`."""
-    if (found := kept_limits(scene.hash, accuracy, kept, method)) is not None:
+def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact", given: GivenRays | None = None) -> Limits:
+    """The limits of a renderer of `accuracy` on `scene`, against the reference's `method`; or on the rays `given`."""
+    if (found := kept_limits(scene.hash, accuracy, kept, method, given)) is not None:
         return found
-    key = key_of(scene.hash, accuracy, method)
-    made = _measured(scene, accuracy, method)
+    key = key_of(scene.hash, accuracy, method, given)
+    made = _measured(scene, accuracy, method, given)
     planes = {name: plane.astype(np.float32) * np.float32(UP) if plane.dtype == float else plane
               for name, plane in vars(made).items()}
     store.save(kept.file(key), **planes)
@@ -95,27 +96,60 @@ def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact")
     return Limits(**planes)
 
 
-def kept_limits(scene_hash: str, accuracy: Accuracy, kept: Store, method: str = "exact") -> Limits | None:
+def kept_limits(scene_hash: str, accuracy: Accuracy, kept: Store, method: str = "exact",
+                given: GivenRays | None = None) -> Limits | None:
     """The limits of a renderer of `accuracy`, if they have been measured on the scene of that hash."""
-    found = kept.arrays(key_of(scene_hash, accuracy, method))
+    found = kept.arrays(key_of(scene_hash, accuracy, method, given))
     return found and Limits(**{name: found[name] for name in Limits.__annotations__})
 
 
-def key_of(scene_hash: str, accuracy: Accuracy, method: str = "exact") -> str:
-    return store.key(scene_hash, method, asdict(accuracy), PROBES, made_by=(__name__,))
+def key_of(scene_hash: str, accuracy: Accuracy, method: str = "exact", given: GivenRays | None = None) -> str:
+    rays = [given.o.tolist(), given.d.tolist()] if given else []
+    return store.key(scene_hash, method, asdict(accuracy), PROBES, *rays, made_by=(__name__,))
 
 
-def _measured(scene: Scene, accuracy: Accuracy, method: str) -> Limits:
-    found = response(scene, method, accuracy.precision, displaced=accuracy.displaced)
+def _measured(scene: Scene, accuracy: Accuracy, method: str, given: GivenRays | None) -> Limits:
+    found = response(scene, method, accuracy.precision, displaced=accuracy.displaced, given=given)
+    # an edge that no perturbation moved across this pixel may have been moved across its neighbour; rays have none
+    around = (lambda plane: plane) if given else largest_around
     picture, rounding = found.picture, FLOOR_UNITS * UNIT[accuracy.precision]
     t = np.where(np.isfinite(picture.t), picture.t, 0)
     floors = {"color": accuracy.color + found.grazing + rounding * (1 + np.abs(picture.color).max(axis=-1)),
               "t": accuracy.t * t + rounding * np.maximum(1, t), "normal": accuracy.normal + rounding + 0 * t}
-    within, jumps = ({name: SAFETY * largest_around(moved[name]) + floors[name] for name in floors}
+    within, jumps = ({name: SAFETY * around(moved[name]) + floors[name] for name in floors}
                      for moved in (found.smooth, found.jump))
     return Limits(**within, **{f"{name}_jump": limit for name, limit in jumps.items()}, risk=found.risk,
-                  seen=np.bitwise_or.reduce(list(neighbours(found.seen))), touched=found.touched,
+                  seen=found.seen if given else np.bitwise_or.reduce(list(neighbours(found.seen))), touched=found.touched,
                   decided=picture.status != UNDECIDED)
+
+
+def kinds(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """For each plane of a picture, first to last: where `b` keeps its limit there, and where rounding, or the errors of
+    surfaces, may explain it if it does not. (h, w) each. Planes that `b` lacks are left out."""
+    met = np.isfinite(a["t"]) | np.isfinite(b.get("t", np.nan))
+    if "index" in b:
+        met = (a["index"] == b["index"]) & (a["index"] >= 0)
+    found = {}
+    if "index" in b:
+        bits = np.uint64(1) << ((b["index"] + 1) % 64).astype(np.uint64)
+        other = np.uint64(1) << ((a["index"] + 1) % 64).astype(np.uint64)
+        found["object"] = a["index"] == b["index"], (bits & limits.seen > 0) & (other & limits.seen > 0)
+    with np.errstate(invalid="ignore"):
+        if "t" in b:
+            off = np.where(met, np.abs(a["t"] - b["t"]), 0)
+            found["distance"] = off <= limits.t, off <= limits.t_jump
+        if "position" in b:  # o + t d is rounded once more
+            off = np.where(met, np.linalg.norm(a["position"] - b["position"], axis=-1), 0)
+            size = 1 + np.where(met, np.nan_to_num(np.abs(a["position"]).max(-1)), 0)
+            found["position"] = off <= limits.t * size, off <= limits.t_jump * size
+        if "normal" in b:
+            off = np.where(met, np.linalg.norm(a["normal"] - b["normal"], axis=-1), 0)
+            found["normal"] = off <= limits.normal, off <= limits.normal_jump
+        if "depth" in b:
+            found["generation"] = a["depth"] == b["depth"] if tells_depth else np.ones_like(met), np.ones_like(met)
+        off = np.abs(a["color"] - b["color"]).max(-1)
+        found["color"] = off <= limits.color, off <= limits.color_jump
+    return found
 
 
 def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dict[str, float | int | None]:
@@ -127,30 +161,15 @@ def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dic
     """
     excusable = largest_around(limits.risk) > 0
     met = (a["index"] == b["index"]) & (a["index"] >= 0)
-    with np.errstate(invalid="ignore"):
-        off = {"color": np.abs(a["color"] - b["color"]).max(-1), "t": np.where(met, np.abs(a["t"] - b["t"]), 0),
-               "normal": np.where(met, np.linalg.norm(a["normal"] - b["normal"], axis=-1), 0),
-               "position": np.where(met, np.linalg.norm(a["position"] - b["position"], axis=-1), 0)}
-    size = np.where(met, np.nan_to_num(np.abs(a["position"]).max(-1)), 0)
-    room = {name: (getattr(limits, name), getattr(limits, f"{name}_jump")) for name in ("color", "t", "normal")}
-    # o + t d is rounded once more
-    room["position"] = tuple(limit * (1 + size) for limit in room["t"])
-    bits = np.uint64(1) << ((b["index"] + 1) % 64).astype(np.uint64)
-    other = np.uint64(1) << ((a["index"] + 1) % 64).astype(np.uint64)
-    kinds = {"object": (a["index"] == b["index"], (bits & limits.seen > 0) & (other & limits.seen > 0)),
-             "distance": (off["t"] <= room["t"][0], off["t"] <= room["t"][1]),
-             "position": (off["position"] <= room["position"][0], off["position"] <= room["position"][1]),
-             "normal": (off["normal"] <= room["normal"][0], off["normal"] <= room["normal"][1]),
-             "generation": (a["depth"] == b["depth"] if tells_depth else np.ones_like(met), np.ones_like(met)),
-             "color": (off["color"] <= room["color"][0], off["color"] <= room["color"][1])}
-    within = np.logical_and.reduce([w for w, _ in kinds.values()])
-    explained = excusable & np.logical_and.reduce([w | e for w, e in kinds.values()])
+    planes = kinds(a, b, limits, tells_depth)
+    within = np.logical_and.reduce([w for w, _ in planes.values()])
+    explained = excusable & np.logical_and.reduce([w | e for w, e in planes.values()])
     wrong, left = limits.decided & ~within & ~excusable, np.ones_like(within)
     found: dict[str, float | int | None] = {
         "differing pixels": int(wrong.sum()), "excused pixels": int((limits.decided & ~within & explained).sum()),
         "unforeseen pixels": int((limits.decided & ~within & ~explained & excusable).sum()),
         "undecided pixels": int((~limits.decided).sum()), "pixels at risk": int((limits.risk > 0).sum())}
-    for kind, (w, _) in kinds.items():
+    for kind, (w, _) in planes.items():
         here = wrong & left & ~w
         left &= ~here
         if here.any():
@@ -159,9 +178,9 @@ def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dic
     found["displaced pixels"] = int(limits.touched.sum())
     found["exact pixels"], steady = int(exact.sum()), exact & met & ~excusable
     found["exact hit pixels"] = int(steady.sum())
-    with np.errstate(invalid="ignore"):
-        found["color p99, exact shapes"] = float(np.quantile(off["color"][exact], 0.99)) if exact.any() else None
-        found["depth p99, exact shapes"] = float(np.quantile((off["t"] / a["t"])[steady], 0.99)) if steady.any() else None
+    p99 = lambda values: float(np.quantile(values, 0.99)) if len(values) else None
+    found["color p99, exact shapes"] = p99(np.abs(a["color"] - b["color"]).max(-1)[exact])
+    found["depth p99, exact shapes"] = p99(np.abs(a["t"] - b["t"])[steady] / a["t"][steady])
     return found
 
 

@@ -17,6 +17,7 @@ import drjit as dr
 import numpy as np
 
 from ..scene.model import Scene
+from .given_rays import GivenRays
 from .rays import Ray
 from .render import Picture, Renderer, Watch
 from .shading import Interaction
@@ -47,18 +48,26 @@ class Perturbed(World):
 
     NORMALS = 1 << 62  # the random numbers that turn normals are another sequence than those that move rays
 
-    def __init__(self, *of_world, displaced: Displaced | None, unit: float, turned: bool):
+    def __init__(self, *of_world, displaced: Displaced | None, unit: float, turned: bool, given: GivenRays | None = None):
         super().__init__(*of_world)
         arrays, nothing = self.arrays, (0.0,) * self.object_count
         errors, tilts, angles = (displaced.errors, displaced.tilts, displaced.normal_errors) if displaced else [nothing] * 3
         self.unit, self.stream = arrays.constant(unit), dr.opaque(arrays.Bits, 0)
         self.tilts, self.angles = self._column((*tilts, 0.0)), self._column((*(angles if turned else nothing), 0.0))
         self.displaced = arrays.UInt([*(int(error > 0 or angle > 0) for error, angle in zip(errors, angles)), 0])
-        dr.make_opaque(self.displaced)
+        self.given = given and given.rays(self)
+        dr.make_opaque(self.displaced, self.given)
 
     @property
     def variables(self) -> list:
-        return [*super().variables, self.unit, self.stream, self.tilts, self.angles, self.displaced]
+        return [*super().variables, self.unit, self.stream, self.tilts, self.angles, self.displaced, self.given]
+
+    def camera_ray(self, row, column, sample_row, sample_column, samples: int) -> Ray:
+        if self.given is None:
+            return super().camera_ray(row, column, sample_row, sample_column, samples)
+        pick = lambda values: dr.gather(type(values), values, column)  # a row of pixels, one a ray
+        left = None if self.given.left is None else pick(self.given.left)
+        return Ray(pick(self.given.o), pick(self.given.d), self.given.sides.gather(column, True), left)
 
     def moved(self, wave: Wave) -> Ray:
         arrays, o, d = self.arrays, wave.ray.o, wave.ray.d
@@ -135,12 +144,12 @@ class Marker:
 class Perturbations(Watch):
     """Pictures of `scene`, perturbed. All are replays of one recording: their worlds differ in numbers alone."""
 
-    def __init__(self, scene: Scene, method: str, displaced: Displaced | None = None):
-        self.scene, self.displaced, self.recorder = scene, displaced, Marker()
+    def __init__(self, scene: Scene, method: str, displaced: Displaced | None = None, given: GivenRays | None = None):
+        self.scene, self.displaced, self.given, self.recorder = scene, displaced, given, Marker()
         self._renderer = Renderer(scene, method, world=self._world(0.0, turned=False))
 
     def _world(self, unit: float, turned: bool):
-        return partial(Perturbed, displaced=self.displaced, unit=unit, turned=turned)
+        return partial(Perturbed, displaced=self.displaced, unit=unit, turned=turned, given=self.given)
 
     def picture(self, unit: float, seed: int) -> Picture:
         """Every ray moved by multiples of `unit`, surfaces displaced and normals turned; `seed` 0 leaves these as they are.
@@ -189,8 +198,11 @@ class Response:
 
 
 def response(scene: Scene, method: str = "exact", precision: int = 32, probes: int = PROBES,
-             displaced: Displaced | None = None, progress=lambda share: None) -> Response:
-    """Measures what rounding to `precision` bits may change, and surfaces that are `displaced`."""
+             displaced: Displaced | None = None, progress=lambda share: None, given: GivenRays | None = None) -> Response:
+    """Measures what rounding to `precision` bits may change, and surfaces that are `displaced`; of the rays `given`, where
+    there are any, in place of the camera's."""
+    if given:
+        return _response(given.scene(scene), method, precision, probes, displaced, progress, given)
     if scene.tracing.samples > 1:  # first hits are those of the ray through a pixel's centre
         centre = response(scene.traced_with(samples=1), method, precision, probes, displaced)
         found = _response(scene, method, precision, probes, displaced, progress)
@@ -200,8 +212,9 @@ def response(scene: Scene, method: str = "exact", precision: int = 32, probes: i
     return _response(scene, method, precision, probes, displaced, progress)
 
 
-def _response(scene: Scene, method: str, precision: int, probes: int, displaced: Displaced | None, progress) -> Response:
-    made = Perturbations(scene, method, displaced)
+def _response(scene: Scene, method: str, precision: int, probes: int, displaced: Displaced | None, progress,
+              given: GivenRays | None = None) -> Response:
+    made = Perturbations(scene, method, displaced, given)
     truth = made.picture(0.0, seed=0)
     shape, signatures = truth.t.shape, made.signatures
     found = Response(truth, *({name: np.zeros(shape) for name in ("color", "t", "normal")} for _ in range(2)),

@@ -108,9 +108,12 @@ class World:
 
     def camera_sides(self) -> Sides:
         """The side of every object the camera is on: the sign of f at its position (decision M3)."""
-        literal = lambda obj: (obj.first_hit.method if obj.first_hit else self.method) == "paper"
-        return Sides.from_flags(self.arrays.Bits, [is_inside(o, self.scene.camera.position, literal(o))
+        return Sides.from_flags(self.arrays.Bits, [is_inside(o, self.scene.camera.position, self.literal(o))
                                                    for o in self.scene.objects])
+
+    def literal(self, obj) -> bool:
+        """Whether the sign of f as written decides on which side of `obj` a ray begins."""
+        return (obj.first_hit.method if obj.first_hit else self.method) == "paper"
 
     @cached_property
     def _generations(self):

@@ -107,8 +107,8 @@ def test_threads_change_nothing():
 
 def test_a_plain_scene_refuses_what_it_cannot_say():
     scene = library.scene("figure-05-sphere")
-    with pytest.raises(UnsupportedError, match="tracing.refraction"):
-        plain(scene.traced_with(refraction="as_printed"))
+    with pytest.raises(UnsupportedError, match="tracing.cutoff"):
+        plain(scene.traced_with(cutoff=0.1))
     with pytest.raises(UnsupportedError, match="tracing.effects"):
         plain(scene.traced_with(effects=("shadow",)))
 

@@ -2,6 +2,7 @@
 //
 //   g++ -std=c++17 -O3 -march=native -pthread tracer.cpp -o tracer
 //   python -m converters.plain figure-17-scene1 scene.txt && ./tracer scene.txt picture.raw 2
+//   raytruth check-port -- ./tracer --serve          (or --serve-exact: no root is missed that can be seen, the model's truth)
 //
 // Written from the document (sections in brackets) and reference_tracer/DECISIONS.md (ids such as M3), independently of
 // the Python tracer, which it checks and is timed against. It reads the plain text of converters/plain.py. It writes,
@@ -12,6 +13,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <iostream>
@@ -46,6 +48,7 @@ struct Surface {
     virtual double f(Vec p) const = 0;
     virtual Vec gradient(Vec p) const = 0;
     virtual Vec normal(Vec p) const { return gradient(p); }
+    virtual double regular(Vec p) const { return f(p); }  // of the same zeros, and the gradient `normal`
 };
 
 struct Plane : Surface {
@@ -105,6 +108,10 @@ struct Heart : Surface {
         double k = p.y / (3 * root * root);
         return {2 * p.x - k * 2 * p.x, 2 * p.y - root, 4.5 * p.z - k * 9.0 / 40.0 * p.z};
     }
+    double regular(Vec p) const override {
+        double x2 = p.x * p.x, z2 = p.z * p.z;
+        return x2 + 9.0 / 4.0 * z2 + p.y * p.y - 1 - p.y * std::cbrt(x2 + 9.0 / 80.0 * z2);
+    }
 };
 
 struct Object {
@@ -126,6 +133,8 @@ struct Object {
     double f(Vec point) const { return sign * surface->f(to_local(point - center)); }
     Vec gradient(Vec point) const { return to_world(surface->gradient(to_local(point - center))) * sign; }
     Vec normal(Vec point) const { return normalize(to_world(surface->normal(to_local(point - center)))); }
+    double regular(Vec point) const { return sign * surface->regular(to_local(point - center)); }
+    double slope(Vec point, Vec d) const { return sign * dot(to_world(surface->normal(to_local(point - center))), d); }
     bool is_inside(Vec point) const {  // 0 and what is not finite are outside (O1, M7)
         double value = f(point);
         return value < 0 && std::isfinite(value);
@@ -151,6 +160,10 @@ struct Light {
     Vec position, brightness;
 };
 
+struct GivenRay {
+    Vec origin, direction;
+};
+
 using Sides = std::vector<char>;  // for every object, whether a ray runs inside it
 
 struct Hit {
@@ -167,14 +180,25 @@ struct Scene {
     double step_size = 0.1, tolerance = 1e-12, max_distance = 30;
     int max_iterations = 20, max_depth = 8, samples = 1;
     bool balanced = false, opaque_only = false, shared_range = false;  // F1, F3, F4
+    bool as_printed = false;  // E1
+    bool exact = false;       // the model's truth
     double ambient = 0;  // F2
     Vec background;
     std::vector<Object> objects;
     std::vector<Light> lights;
+    std::vector<GivenRay> rays;  // to trace in place of the camera's
 
     // --- tracing the light rays [4.1, 4.2] ---
     Hit first_hit(Vec o, Vec d, const Sides& sides, double range) const {
         Hit hit;
+        if (!std::isfinite(dot(d, d))) return hit;  // the misprint makes directions of NaN (E1)
+        if (exact) {
+            for (size_t k = 0; k < objects.size(); k++) {
+                double root = crossing(objects[k], o, d, sides[k], 0, std::min(range, hit.t));
+                if (root < hit.t) hit = {root, static_cast<int>(k)};
+            }
+            return hit;
+        }
         double t = 0;
         for (int step = 1; t < range && hit.index < 0; step++) {
             double before = (step - 1) * step_size;
@@ -188,6 +212,27 @@ struct Scene {
             }
         }
         return hit;
+    }
+
+    // The model's truth: the first t in (from, range) at which the ray is no longer `inside`, or no longer outside. Steps are
+    // cut where g has an extremum, so that two roots in one step are seen; roots are bisected.
+    double crossing(const Object& object, Vec o, Vec d, bool inside, double from, double range) const {
+        const double fine = 0.02, towards = inside ? 1 : -1;
+        auto crossed = [&](double t) { return (object.regular(o + d * t) < 0) != inside; };
+        auto nears = [&](double t) { return object.slope(o + d * t, d) * towards > 0; };
+        for (double t = from; t < range;) {
+            double next = std::min(t + fine, range), low = t, high = next;
+            if (!crossed(high) && nears(low) && !nears(high)) {
+                double a = low;
+                for (int i = 0; i < 60; i++) (nears(0.5 * (a + high)) ? a : high) = 0.5 * (a + high);
+            }
+            if (crossed(high)) {
+                for (double m = 0.5 * (low + high); m > low && m < high; m = 0.5 * (low + high)) (crossed(m) ? high : low) = m;
+                return high;
+            }
+            t = next;
+        }
+        return std::numeric_limits<double>::infinity();
     }
 
     double newton(const Object& object, Vec o, Vec d, double t) const {
@@ -204,6 +249,15 @@ struct Scene {
     // --- shadow ray [4.3.1] ---
     double light_through(Vec o, Vec d, double distance, Sides sides) const {
         double intensity = 1, t = 0;
+        for (size_t k = 0; exact && k < objects.size(); k++) {
+            if (!objects[k].shadow || (opaque_only && objects[k].transparency > 0)) continue;
+            double from = 0;
+            while (intensity > 0 && (from = crossing(objects[k], o, d, sides[k], from, distance)) < distance) {
+                intensity *= objects[k].transparency;
+                sides[k] = !sides[k];
+            }
+        }
+        if (exact) return intensity;
         for (int step = 1; t < distance && intensity > 0; step++) {
             t = std::min(step * step_size, distance);
             Vec point = o + d * t;
@@ -259,8 +313,8 @@ struct Scene {
             if (sin1 > n2 / n1) {  // total internal reflection: the shared direction is traced once (R3)
                 refracted = object.reflection > 0 ? reflected : trace(point, reflection_dir, sides, left, depth + 1);
             } else {
-                double sin2 = sin1 * (n1 / n2);  // E1
-                double cos2 = std::sqrt(std::max(1 - sin2 * sin2, 0.0));
+                double sin2 = sin1 * (as_printed ? n2 / n1 : n1 / n2);  // E1
+                double cos2 = std::sqrt(as_printed ? 1 - sin2 * sin2 : std::max(1 - sin2 * sin2, 0.0));
                 Vec refraction_dir = normalize((d + normal * cos1) * (n1 / n2) - normal * cos2);
                 Sides through = sides;
                 through[hit.index] = !through[hit.index];  // M3
@@ -278,6 +332,7 @@ struct Picture {
     std::vector<Vec> color;
     std::vector<int32_t> index;
     std::vector<double> t;
+    std::vector<Vec> normal;
 };
 
 struct Camera {  // C1, F5
@@ -296,6 +351,15 @@ struct Camera {  // C1, F5
     }
 };
 
+// what the ray through a pixel's centre met
+void store_hit(const Scene& scene, Vec o, Vec d, Hit hit, size_t pixel, Picture& picture) {
+    picture.index[pixel] = hit.index;
+    picture.t[pixel] = hit.t;
+    Vec normal;
+    if (hit.index >= 0) normal = scene.objects[hit.index].normal(o + d * hit.t);
+    picture.normal[pixel] = dot(d, normal) > 0 ? -normal : normal;
+}
+
 void render_row(const Scene& scene, const Camera& camera, const Sides& sides, int row, Picture& picture) {
     int n = scene.samples;
     for (int col = 0; col < scene.width; col++) {
@@ -310,17 +374,37 @@ void render_row(const Scene& scene, const Camera& camera, const Sides& sides, in
             }
         size_t pixel = static_cast<size_t>(row) * scene.width + col;
         picture.color[pixel] = sum * (1.0 / (n * n));
-        picture.index[pixel] = centre.index;
-        picture.t[pixel] = centre.t;
+        store_hit(scene, scene.position, d, centre, pixel, picture);
     }
+}
+
+Picture blank(size_t pixels) {
+    return {std::vector<Vec>(pixels), std::vector<int32_t>(pixels), std::vector<double>(pixels), std::vector<Vec>(pixels)};
+}
+
+Sides sides_at(const Scene& scene, Vec point) {  // M3: where a ray begins that has no parent
+    Sides sides;
+    for (const Object& object : scene.objects)
+        sides.push_back(scene.exact ? object.regular(point) < 0 : object.is_inside(point));
+    return sides;
+}
+
+Picture trace_given(const Scene& scene) {
+    Picture picture = blank(scene.rays.size());
+    for (size_t k = 0; k < scene.rays.size(); k++) {
+        Vec o = scene.rays[k].origin, d = scene.rays[k].direction;
+        Sides sides = sides_at(scene, o);
+        Hit hit = scene.first_hit(o, d, sides, scene.max_distance);
+        picture.color[k] = scene.shade(o, d, sides, scene.max_distance, hit, 0);
+        store_hit(scene, o, d, hit, k, picture);
+    }
+    return picture;
 }
 
 Picture render(const Scene& scene, int threads) {
     Camera camera(scene);
-    Sides sides;
-    for (const Object& object : scene.objects) sides.push_back(object.is_inside(scene.position));  // M3
-    size_t pixels = static_cast<size_t>(scene.width) * scene.height;
-    Picture picture{std::vector<Vec>(pixels), std::vector<int32_t>(pixels), std::vector<double>(pixels)};
+    Sides sides = sides_at(scene, scene.position);
+    Picture picture = blank(static_cast<size_t>(scene.width) * scene.height);
     std::vector<std::thread> workers;
     for (int k = 0; k < threads; k++)
         workers.emplace_back([&, k] {
@@ -349,9 +433,7 @@ bool either(const std::string& word, const char* yes, const char* no) {
     return word == yes;
 }
 
-Scene read_scene(const std::string& path) {
-    std::ifstream file(path);
-    if (!file) throw std::runtime_error(path + " cannot be read");
+Scene read_scene(std::istream& file) {
     Scene scene;
     std::string line, key, kind;
     while (std::getline(file, line)) {
@@ -374,6 +456,12 @@ Scene read_scene(const std::string& path) {
         } else if (key == "shadowless") {
             size_t k;
             if (in >> k) scene.objects.at(k).shadow = false;
+        } else if (key == "misprint") {
+            scene.as_printed = true;
+        } else if (key == "ray") {
+            GivenRay ray;
+            in >> ray.origin >> ray.direction;
+            scene.rays.push_back(ray);
         } else if (key == "background") {
             in >> scene.background;
         } else if (key == "light") {
@@ -397,12 +485,59 @@ Scene read_scene(const std::string& path) {
     return scene;
 }
 
+Scene read_scene(const std::string& path) {
+    std::ifstream file(path);
+    if (!file) throw std::runtime_error(path + " cannot be read");
+    return read_scene(file);
+}
+
 template <typename T>
-void write_block(std::ofstream& file, const std::vector<T>& block) {
+void write_block(std::ostream& file, const std::vector<T>& block) {
     file.write(reinterpret_cast<const char*>(block.data()), static_cast<std::streamsize>(block.size() * sizeof(T)));
 }
 
+// --- raytruth's protocol: docs/ports/protocol.md ----------------------------------------------------------------------
+
+void serve(int threads, bool exact) {
+    std::string line;
+    while (std::getline(std::cin, line)) {
+        int seq = 0;
+        size_t bytes = 0;
+        char op[16] = "", level[16] = "";
+        if (std::sscanf(line.c_str(), R"({"seq": %d, "op": "%15[a-z]", "level": "%15[a-z]", "bytes": %zu)", &seq, op, level,
+                        &bytes) != 4)
+            throw std::runtime_error("not a request: " + line);
+        if (op == std::string("hello")) {
+            std::cout << R"({"protocol": 1, "name": "raytruth C++ example", "version": "1", "levels": [")"
+                      << (exact ? "model" : "algorithm") << R"("], )"
+                      << R"("precision": 64, "switches": ["E1", "F1", "F2", "F3", "F4", "F5"]})" << std::endl;
+            continue;
+        }
+        std::string text(bytes, ' ');
+        std::cin.read(text.data(), static_cast<std::streamsize>(bytes));
+        std::istringstream in(text);
+        Scene scene = read_scene(in);
+        scene.exact = exact;
+        Picture picture = scene.rays.empty() ? render(scene, threads) : trace_given(scene);
+        size_t n = picture.t.size();
+        std::string shape = scene.rays.empty() ? std::to_string(scene.height) + ", " + std::to_string(scene.width)
+                                               : std::to_string(n);
+        std::cout << R"({"seq": )" << seq << R"(, "state": "ok", "bytes": )" << n * 60 << R"(, "arrays": [)"
+                  << R"({"name": "color", "dtype": "float64", "shape": [)" << shape << ", 3]}, "
+                  << R"({"name": "index", "dtype": "int32", "shape": [)" << shape << "]}, "
+                  << R"({"name": "t", "dtype": "float64", "shape": [)" << shape << "]}, "
+                  << R"({"name": "normal", "dtype": "float64", "shape": [)" << shape << ", 3]}]}\n";
+        write_block(std::cout, picture.color);
+        write_block(std::cout, picture.index);
+        write_block(std::cout, picture.t);
+        write_block(std::cout, picture.normal);
+        std::cout.flush();
+    }
+}
+
 int main(int argc, char** argv) try {
+    std::string option = argc > 1 ? argv[1] : "";
+    if (option == "--serve" || option == "--serve-exact") return serve(2, option == "--serve-exact"), 0;
     if (argc < 3 || argc > 4) throw std::runtime_error("usage: tracer SCENE.txt PICTURE.raw [THREADS]");
     Scene scene = read_scene(argv[1]);
     int threads = argc > 3 ? std::max(1, std::stoi(argv[3])) : 2;

@@ -1,0 +1,1 @@
+"""Ports of the document, judged: their pictures, their answers, and the mistakes that these look like."""

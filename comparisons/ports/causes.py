@@ -1,0 +1,298 @@
+"""From wrong pixels to their causes: which mistakes of the catalogue, made together, show what a picture shows.
+
+Sets of mistakes are tried on a few hundred pixels, right and wrong ones: each alone, the figures' switches in all
+combinations, then the best sets with one mistake more, less or other. What the best one leaves unexplained is looked at
+again with more weight. The result is verified on a larger sample, and a mistake without which as much is explained is
+dropped. Pixels whose right colour `mistaken.Tracers` misses itself are left out, and counted.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from reference_tracer.scene.model import Scene
+
+from .mistaken import Exhausted, Tracers
+from .mistakes import CATALOGUE, NOISY, SWITCHES, Mistakes, filed, moved, possible
+
+SCREENED, VERIFIED = 150, 5000  # failing pixels on which sets are tried, on which the result is verified, at 1 sample each
+BESIDE = 0.35  # as many of those that pass, which mistakes must leave as they are
+BEAM = 3  # sets that go on from each round
+ROUNDS, LOOKS = 10, 4  # at most: rounds of one look, looks at what is left
+ENOUGH = 0.99  # of the failing pixels explained: nothing else is looked for
+NAMED = 0.5  # a cause that explains less than this is none
+HALF = 0.2  # of a colour: a difference as large counts like none explained
+COST = 0.004  # of all pixels, that one more mistake has to explain
+FEWEST = 2  # pixels that a mistake has to explain
+ENGINE = 2e-4  # what `Tracers` leaves out of a colour, at most, see `least`
+SECONDS = 12.0  # of search
+
+
+@dataclass(frozen=True)
+class Causes:
+    """`mistakes` made together explain `explained` of the `failing` pixels that were tried, and change `broken` of `passing`
+    ones; `alternatives` are mistakes that alone explain as much as the one that is named."""
+
+    mistakes: Mistakes
+    explained: int
+    failing: int
+    broken: int
+    passing: int
+    left_out: int  # pixels that could not be traced well enough to be tried
+    alternatives: tuple[str, ...] = ()
+    shares: dict[str, float] = field(default_factory=dict)  # of the failing pixels that would be unexplained without each
+    finished: bool = True  # whether the search came to its end in its time
+
+    @property
+    def share(self) -> float:
+        return self.explained / self.failing if self.failing else 0.0
+
+    @property
+    def names(self) -> bool:
+        return bool(self.mistakes) and self.share >= NAMED
+
+
+@dataclass(frozen=True)
+class Question:
+    """A picture that fails: arrays are (h, w, 3) and (h, w)."""
+
+    scene: Scene
+    shown: np.ndarray  # as the file has it
+    truth: np.ndarray
+    failing: np.ndarray
+    levels: int | None  # of the file's whole numbers: 255, 65535; None of floats
+    tolerance: float  # of the file
+    literal: bool = False
+
+
+def of_the_file(q: Question) -> Causes | None:
+    """Mistakes that move or map finished pixels, tried on the whole picture: nothing has to be traced for them."""
+    height, width = q.failing.shape
+    ids = [id for id, m in _candidates(q).items() if m.stage == "file"]
+    rows, columns = np.mgrid[:height, :width]
+    best = None
+    for size in (1, 2, 3):
+        for chosen in combinations(ids, size):
+            if "transposed" in chosen and height != width:
+                continue
+            mistakes = {id: 1.0 for id in chosen}
+            color = q.truth[moved(mistakes, rows, columns, height, width)]
+            if "scaled" in mistakes:
+                mistakes["scaled"] = _factor(color, q)
+            with np.errstate(invalid="ignore"):
+                same = np.abs(filed(mistakes, color, q.levels) - q.shown).max(axis=-1) <= q.tolerance
+            found = Causes(mistakes, int((same & q.failing).sum()), int(q.failing.sum()), int((~same & ~q.failing).sum()),
+                           int((~q.failing).sum()), 0)
+            if found.broken <= (1 - ENOUGH) * q.failing.size and (best is None or found.explained > best.explained):
+                best = found
+        if best and best.share >= ENOUGH:
+            return best
+    return None
+
+
+def _factor(color: np.ndarray, q: Question) -> float:
+    usable = (color > 0.1) & (q.shown > 0.02) & (q.shown < 0.98)
+    return float(np.median(q.shown[usable] / color[usable])) if usable.any() else 1.0
+
+
+def _candidates(q: Question) -> dict:
+    """What can show in this picture, and in this kind of file."""
+    whole = ("truncated", "times-256", "wrapped")
+    # colours above 1 are clamped by files of whole numbers anyway
+    return {id: m for id, m in possible(q.scene).items()
+            if not (id in whole and not q.levels) and not (id == "clipped" and q.levels)
+            and not (id in ("transposed", "scaled") and not (id == "scaled" or q.scene.camera.width == q.scene.camera.height))}
+
+
+class _Sample:
+    """Some pixels of a question, and what sets of mistakes show there."""
+
+    def __init__(self, q: Question, pixels: np.ndarray):
+        self.q, self.pixels = q, pixels
+        self.rows, self.columns = np.divmod(pixels, q.scene.camera.width)
+        self.shown, self.failing = q.shown.reshape(-1, 3)[pixels], q.failing.ravel()[pixels]
+        self.tolerance = q.tolerance + ENGINE * (1 if q.levels else 0.1)
+
+    def differences(self, sets: list[Mistakes]) -> np.ndarray:
+        """(sets, pixels): how far each is from what the file shows, in its worst channel."""
+        expanded, owner = [], []
+        for k, mistakes in enumerate(sets):
+            draws = [mistakes]
+            for id in NOISY:
+                if id in mistakes:  # any draw of the noise will do, and none
+                    draws = [{**mistakes, id: a} for a in CATALOGUE[id].amounts]
+                    draws.append({i: a for i, a in mistakes.items() if i != id})
+            expanded += draws
+            owner += [k] * len(draws)
+        found = np.full((len(sets), len(self.pixels)), np.inf)
+        least = 1e-5 if self.q.levels else 1e-6
+        most = max(1, 40_000 // max(len(self.pixels) * self.q.scene.tracing.samples**2, 1))
+        for start in range(0, len(expanded), most):
+            part = expanded[start:start + most]
+            try:
+                colors = Tracers(self.q.scene, part, self.q.literal, least).colors(self.rows, self.columns)
+            except Exhausted:
+                continue
+            for j, mistakes in enumerate(part):
+                with np.errstate(invalid="ignore"):
+                    off = np.abs(filed(mistakes, colors[j], self.q.levels) - self.shown).max(axis=-1)
+                k = owner[start + j]
+                found[k] = np.fmin(found[k], np.where(np.isfinite(off), off, np.inf))
+        return found
+
+    def losses(self, differences: np.ndarray, sets: list[Mistakes]) -> np.ndarray:
+        off = np.where(differences <= self.tolerance, 0.0, 0.5 + 0.5 * np.minimum(differences / HALF, 1))
+        return off.mean(axis=1) + COST * np.array([len(s) for s in sets])
+
+    def matched(self, sets: list[Mistakes]) -> np.ndarray:
+        return self.differences(sets) <= self.tolerance
+
+
+def of_the_tracer(q: Question, seed: int = 0, seconds: float = SECONDS) -> Causes:
+    """Which mistakes explain the failing pixels."""
+    return _Search(q, seed, seconds).causes()
+
+
+class _Search:
+    def __init__(self, q: Question, seed: int, seconds: float):
+        self.q, self.random, self.end = q, np.random.default_rng(seed), time.monotonic() + seconds
+        self.candidates = _candidates(q)
+        n2 = q.scene.tracing.samples**2
+        failing, passing = np.flatnonzero(q.failing), np.flatnonzero(~q.failing)
+        most = max(SCREENED, VERIFIED // n2)
+        self.failing = self.random.permutation(failing)[:most]
+        self.passing = self.random.permutation(passing)[:int(BESIDE * most)]
+        self.screened = max(40, min(SCREENED, 2 * SCREENED // n2))
+        pool = np.concatenate([self.failing, self.passing])
+        right = _Sample(Question(q.scene, q.truth, q.truth, q.failing, None, ENGINE, q.literal), pool)
+        usable = right.matched([{}])[0]
+        self.left_out, self.pool = int((~usable).sum()), pool[usable]
+
+    def causes(self) -> Causes:
+        if not len(self.pool) or not self.q.failing.ravel()[self.pool].any():
+            return Causes({}, 0, 0, 0, 0, self.left_out)
+        pool = _Sample(self.q, self.pool)
+        sample = self._screen(np.zeros(len(self.pool), bool))
+        seeds = [{}, *self._singles(), *self._switches()]
+        best, singles = self._climb(sample, seeds)
+        matched = pool.matched([best])[0]
+        for _ in range(LOOKS - 1):
+            left = pool.failing & ~matched
+            if left.sum() < 2 or time.monotonic() > self.end:
+                break
+            better, _ = self._climb(self._screen(left | ~matched), [best, {}])
+            again = pool.matched([better])[0]
+            if again.sum() < matched.sum() + FEWEST * max(len(better) - len(best), 1):
+                break
+            best, matched = better, again
+        best, matched, shares = self._without_idle(pool, best, matched)
+        alternatives = ()
+        if len(best) == 1:
+            alternatives = self._alternatives(pool, best, matched, singles)
+        return Causes(best, int((matched & pool.failing).sum()), int(pool.failing.sum()), int((~matched & ~pool.failing).sum()),
+                      int((~pool.failing).sum()), self.left_out, alternatives, shares, time.monotonic() <= self.end)
+
+    def _screen(self, stressed: np.ndarray) -> _Sample:
+        """Pixels to try on: half of them, if there are that many, from those that are `stressed`."""
+        failing = self.q.failing.ravel()[self.pool]
+        pick = lambda mask, most: self.random.permutation(np.flatnonzero(mask))[:most]
+        chosen = pick(stressed, self.screened // 2)
+        rest = np.setdiff1d(np.arange(len(self.pool)), chosen)
+        mask = np.zeros(len(self.pool), bool)
+        mask[rest] = True
+        chosen = np.concatenate([chosen, pick(mask & failing, self.screened - len(chosen)),
+                                 pick(mask & ~failing, int(BESIDE * self.screened))])
+        return _Sample(self.q, self.pool[np.unique(chosen)])
+
+    def _singles(self) -> list[Mistakes]:
+        return [{id: a} for id, m in self.candidates.items() for a in (m.amounts if id not in NOISY else m.amounts[:1])]
+
+    def _switches(self) -> list[Mistakes]:
+        there = [id for id in SWITCHES if id in self.candidates]
+        return [{id: CATALOGUE[id].amounts[0] for id in chosen}
+                for size in range(2, len(there) + 1) for chosen in combinations(there, size)]
+
+    def _climb(self, sample: _Sample, seeds: list[Mistakes]) -> tuple[Mistakes, list[tuple[float, Mistakes]]]:
+        """The best set that is found from `seeds` on, and what they lose themselves."""
+        seen: dict[tuple, float] = {}
+        sets: dict[tuple, Mistakes] = {}
+
+        def ask(asked: Iterable[Mistakes]) -> None:
+            new = {key: s for s in asked if (key := tuple(sorted(s.items()))) not in seen}
+            if not new:
+                return
+            chosen = list(new.values())
+            differences = sample.differences(chosen)
+            for key, s, loss in zip(new, chosen, sample.losses(differences, chosen)):
+                seen[key], sets[key] = float(loss), s
+            if () in new:
+                self.base = differences[chosen.index({})]
+            for s, off in zip(chosen, differences):
+                if len(s) == 1 and hasattr(self, "base") and len(off) == len(self.base):
+                    (id,) = s
+                    moved_some = np.abs(off - self.base).max(initial=0, where=np.isfinite(off) & np.isfinite(self.base)) > 1e-9
+                    self.idle[id] = self.idle.get(id, True) and not moved_some
+
+        self.idle: dict[str, bool] = {}
+        ask(seeds)
+        singles = sorted(((loss, sets[key]) for key, loss in seen.items() if len(key) == 1), key=lambda pair: pair[0])
+        beam, best = [], np.inf
+        for _ in range(ROUNDS):
+            beam = sorted(seen, key=seen.get)[:BEAM]
+            if seen[beam[0]] > best - COST / 4 or seen[beam[0]] <= COST * (len(beam[0]) + 1) or time.monotonic() > self.end:
+                break
+            best = seen[beam[0]]
+            ask(s for key in beam for s in self._neighbours(sets[key]))
+        top = min(seen, key=seen.get)
+        return self._fitted(sample, sets[top]), singles
+
+    def _neighbours(self, mistakes: Mistakes) -> Iterable[Mistakes]:
+        for id in mistakes:
+            yield {i: a for i, a in mistakes.items() if i != id}
+            if CATALOGUE[id].fitted:
+                for factor in (0.7, 0.85, 1.2, 1.4):
+                    yield {**mistakes, id: mistakes[id] * factor}
+        for id, m in self.candidates.items():
+            if id in mistakes or self.idle.get(id):
+                continue
+            for amount in m.amounts if id not in NOISY else m.amounts[:1]:
+                yield {**mistakes, id: amount}
+
+    def _fitted(self, sample: _Sample, mistakes: Mistakes) -> Mistakes:
+        """The same mistakes, those that have a size with the one at which the picture differs least."""
+        for id in [i for i in mistakes if CATALOGUE[i].fitted]:
+            spread = 0.3
+            while spread > 1e-7 and time.monotonic() < self.end:
+                tries = [{**mistakes, id: mistakes[id] * (1 + spread * k / 4)} for k in range(-4, 5)]
+                near = max(3 * sample.tolerance, spread * 0.1)  # what is farther off has other causes
+                loss = (np.minimum(sample.differences(tries), near)**2).mean(axis=1)
+                mistakes = tries[int(loss.argmin())]
+                if sample.q.levels and spread < 1e-4:
+                    break
+                spread /= 3
+        return mistakes
+
+    def _without_idle(self, pool: _Sample, mistakes: Mistakes, matched: np.ndarray):
+        """Only those mistakes without which less is explained, and how much less."""
+        while mistakes:
+            fewer = [{i: a for i, a in mistakes.items() if i != id} for id in mistakes]
+            others = pool.matched(fewer)
+            lost = matched.sum() - others.sum(axis=1)
+            k = int(lost.argmin())
+            if lost[k] >= FEWEST:
+                failing = max(int(pool.failing.sum()), 1)
+                return mistakes, matched, {id: float(n) / failing for id, n in zip(mistakes, lost)}
+            mistakes, matched = fewer[k], others[k]
+        return mistakes, matched, {}
+
+    def _alternatives(self, pool: _Sample, best: Mistakes, matched: np.ndarray, singles) -> tuple[str, ...]:
+        close = [s for loss, s in singles[:6] if set(s) != set(best)]
+        if not close:
+            return ()
+        others = pool.matched(close)
+        return tuple(dict.fromkeys(id for s, o in zip(close, others) for id in s if o.sum() >= matched.sum() - 1))

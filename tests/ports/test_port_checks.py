@@ -1,0 +1,187 @@
+"""What check-port asks and how it judges: right ports pass, one scene's truth fails as another's, mutants are named."""
+
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import port_mutants as mutants
+import pytest
+
+from comparisons.bench import port as cpp
+from comparisons.ports import cases as all_cases
+from comparisons.ports import check, vectors
+from comparisons.ports.cases import Case, chosen, small
+from comparisons.ports.document import Check
+from comparisons.ports.protocol import Reply
+from comparisons.ports.session import Port
+from comparisons.ports.truth import Truths
+from comparisons.suites import head
+from raytruth.cli import main
+from reference_tracer.errors import InputError, MissingError
+from reference_tracer.oracle.literal import LiteralSearch, point_color
+from reference_tracer.scene import library
+
+NUMPY = [sys.executable, str(mutants.NUMPY_SOURCE)]
+SOON = ["algorithm:surfaces", "algorithm:events", "algorithm:switches", "algorithm:pictures"]
+
+
+@pytest.fixture(scope="module")
+def truths(tmp_path_factory):
+    return Truths(tmp_path_factory.mktemp("truths"))
+
+
+def checked(command, cases, truths, seconds=300.0):
+    start = time.monotonic()
+    with Port(command) as port:
+        declared = port.greet(60)
+        results = check.check(port, declared, cases, truths, seconds)
+    return Check(**head(start), command=command, port=declared, results=results)
+
+
+def test_ids_keep_their_meaning():
+    asked = [question for group in vectors.groups() for question in group.questions()]
+    assert len(dict(asked)) == len(asked)
+    given = vectors.listed()
+    for id, checksum in asked:
+        assert given.get(id) == checksum, f"{id} asks something else than when it was given away: give it a new id"
+
+
+def test_every_flag_is_explained_and_every_decision_known():
+    decisions = Path("reference_tracer/DECISIONS.md").read_text(encoding="utf-8")
+    for group in vectors.groups():
+        assert all(f"| {id} |" in decisions for id in group.decisions), group.id
+        assert set(group.flags).union(*(v.flags for v in group.vectors)) <= set(vectors.FLAGS)
+        assert all(abs(np.linalg.norm(v.d) - 1) < 1e-15 for v in group.vectors)
+
+
+@pytest.mark.parametrize("name", ["surfaces/torus-turned", "events/refraction", "events/shadow", "switches/as-in-the-figures"])
+def test_given_rays_are_traced_as_the_oracle_traces_them(name, truths):
+    case, = chosen([f"algorithm:{name}"])
+    o, d = case.rays.o, case.rays.d
+    search = LiteralSearch(case.scene)
+    inside = search._signs(o, d, np.zeros(len(d)))
+    color = point_color(case.scene, search, o, d, inside, np.full(len(d), case.scene.tracing.max_distance), 0)
+    assert np.abs(truths.planes(case)["color"][0] - color).max() < 1e-9
+
+
+@pytest.mark.parametrize("command", [NUMPY, "cpp"], ids=["NumPy", "C++"])
+def test_a_right_port_passes(command, truths):
+    if command == "cpp":
+        try:
+            command = [str(cpp.build()), "--serve"]
+        except MissingError as error:
+            pytest.skip(str(error))
+    found = checked(command, chosen([*SOON, "algorithm:scenes/effect-mixing"]), truths)
+    assert {r.verdict for r in found.results} == {"pass"}, [r for r in found.results if r.verdict != "pass"]
+    assert found.holds
+
+
+def test_the_truth_of_a_scene_fails_as_that_of_every_other(truths):
+    size = (16, 12)
+    named = {name: Case(name, "model", library.scene(name).resized(*size, samples=1), "7")
+             for name in ("effect-shading", "effect-shadow", "figure-05-sphere", "figure-06-ellipsoid",
+                          "figure-10-refraction-n0.8", "figure-12-refraction-n1.0")}
+    answers = {name: Reply({plane: truths.planes(case)[plane] for plane in ("color", "t", "normal")})
+               for name, case in named.items()}
+    for name, case in named.items():
+        for other, answer in answers.items():
+            verdict = check.judged(case, answer, 64, truths).verdict
+            assert verdict == ("pass" if name == other else "fail"), (name, other)
+
+
+def test_rounding_is_forgiven_and_a_little_more_is_not(truths):
+    case = Case("sphere", "model", small(library.scene("figure-05-sphere")), "7")
+    planes = {name: truths.planes(case)[name] for name in ("color", "index", "t", "normal")}
+    off = lambda by: Reply({**planes, "color": planes["color"] + by})
+    assert check.judged(case, off(5e-10), 64, truths).verdict == "pass"
+    failed = check.judged(case, off(1e-6), 64, truths)
+    assert failed.verdict == "fail" and failed.plane == "color" and failed.got[0] - failed.expected[0] == pytest.approx(1e-6)
+    assert check.judged(case, off(1e-6), 32, truths).verdict == "pass"
+    missing = Reply({**planes, "index": np.where(planes["index"] == 0, -1, planes["index"])})
+    assert check.judged(case, missing, 64, truths).stage == "hit"
+
+
+def test_what_a_port_does_not_claim_is_skipped_and_counts(truths):
+    case, = chosen(["algorithm:events/refraction"])
+    with Port(NUMPY) as port:
+        declared = replace_words(port.greet(60), surfaces=("sphere",), effects=())
+        result, = check.check(port, declared, [case], truths, 60)
+    assert result.verdict == "skipped" and "surface plane, effect refraction, effect shadow" in result.message
+
+
+def replace_words(declared, **words):
+    return declared.model_copy(update=words)
+
+
+def test_a_case_says_what_it_needs():
+    needs = {case.id: case.needs for case in all_cases.cases()}
+    assert needs["algorithm:surfaces/sphere"] == {"surface": {"sphere"}, "effect": set(), "switch": set()}
+    assert needs["model:switches/misprint"]["switch"] == {"E1"}
+    assert needs["model:pictures/oblique"]["switch"] == {"F5"}
+    with pytest.raises(InputError, match="no case 'nonsense'"):
+        chosen(["nonsense"])
+
+
+def test_the_command_line_lists_repeats_and_exits(capsys, tmp_path):
+    run = lambda *words: (main(["check-port", "-o", str(tmp_path), *words, "--", *NUMPY]), capsys.readouterr().out)
+    code, out = run("--list")
+    assert code == 0 and "run   algorithm:surfaces/plane" in out and "69 of 69 cases will run" in out
+    code, out = run("--only", "algorithm:surfaces/sphere", "--history", "3")
+    assert code == 0 and "1 of 1 cases hold" in out and "reference: 0 camera" in out and "the port: 0 camera" in out
+    assert json.loads((tmp_path / "check-port.json").read_text())["results"][0]["verdict"] == "pass"
+
+
+def test_a_port_may_draw_pictures_only(capsys, tmp_path):
+    program = tmp_path / "draw.py"
+    program.write_text(f"import sys\nsys.path.insert(0, {str(mutants.NUMPY_SOURCE.parent)!r})\nimport numpy, tracer\n"
+                       "color = tracer.answer(tracer.Scene(open(sys.argv[1]).read()))['color'][0]\nnumpy.save(sys.argv[2], color)\n")
+    code = main(["check-port", "-o", str(tmp_path), "--only", "pictures", "--image-only", "--scenes", "text", "--pictures",
+                 ".npy", "--level", "algorithm", "--precision", "64", "--", sys.executable, str(program)])
+    assert code == 0 and "5 of 5 cases hold" in capsys.readouterr().out
+    program.write_text("import sys\nopen(sys.argv[2], 'w').write('<html>')\n")
+    code = main(["check-port", "-o", str(tmp_path), "--only", "pictures/turned", "--image-only", "--pictures", ".npy",
+                 "--level", "algorithm", "--", sys.executable, str(program)])
+    assert code == 1 and "malformed" in capsys.readouterr().out
+
+
+# --- one classic mistake each ----------------------------------------------------------------------------------------------
+TELLING = ["algorithm:events", "algorithm:pictures", "algorithm:surfaces/heart", "algorithm:scenes/effect"]
+
+
+def mutant(kind, name, folder):
+    passage, instead, ids = (mutants.CPP if kind == "C++" else mutants.NUMPY)[name]
+    source = folder / ("mutant.cpp" if kind == "C++" else "mutant.py")
+    source.write_text(mutants.wrong(mutants.CPP_SOURCE if kind == "C++" else mutants.NUMPY_SOURCE, passage, instead))
+    if kind == "NumPy":
+        return [sys.executable, str(source)], ids
+    program = folder / "mutant"
+    subprocess.run(["g++", "-std=c++17", "-O2", "-pthread", source, "-o", program], check=True)
+    return [str(program), "--serve"], ids
+
+
+@pytest.mark.parametrize("kind, name", [*(("C++", name) for name in mutants.CPP), *(("NumPy", name) for name in mutants.NUMPY)])
+def test_a_classic_mistake_is_failed(kind, name, truths, tmp_path):
+    if kind == "C++":
+        try:
+            cpp.build()
+        except MissingError as error:
+            pytest.skip(str(error))
+    command, _ = mutant(kind, name, tmp_path)
+    with Port(command) as port:
+        declared = port.greet(60)
+        assert any(check.asked(port, declared, case, truths, 300, {}).verdict in ("fail", "non-finite")
+                   for case in chosen(TELLING))
+
+
+@pytest.mark.parametrize("kind, name, case", [
+    ("NumPy", "mean of the lights", "scenes/figure-09-heart"), ("NumPy", "blue first", "scenes/effect-shading"),
+    ("C++", "y flipped", "pictures/landscape"), ("C++", "misprint", "scenes/effect-refraction"),
+    ("C++", "no shadows", "scenes/effect-shadow"), ("C++", "fp32 where fp64 is claimed", "scenes/effect-shading"),
+    ("C++", "8-bit rounding", "scenes/effect-shading")])
+def test_a_classic_mistake_is_named(kind, name, case, truths, tmp_path):
+    command, ids = mutant(kind, name, tmp_path)
+    found = checked(command, chosen([f"algorithm:{case}"]), truths)
+    assert found.causes and found.causes[0].id in ids
