@@ -80,7 +80,7 @@ def of_the_file(q: Question) -> Causes | None:
         for chosen in combinations(ids, size):
             if "transposed" in chosen and height != width:
                 continue
-            mistakes = {id: 1.0 for id in chosen}
+            mistakes = dict.fromkeys(chosen, 1.0)
             color = q.truth[moved(mistakes, rows, columns, height, width)]
             if "scaled" in mistakes:
                 mistakes["scaled"] = _factor(color, q)

@@ -424,6 +424,7 @@ class Tracers:
             cos1 = np.abs(cos1)
         if (m := self._of("normal-inverted", who)) is not None:
             flip = np.where(m > 0, ~flip, flip)
+            cos1 = np.where(m == 1, -cos1, cos1)  # 2: the cosine alone is made positive
         normal = np.where(flip, -normal, normal)
         return normal, cos1
 

@@ -20,7 +20,8 @@ MOST_PIXELS = 2**24
 LONGEST_SIDE = 16384
 MOST_BYTES = MOST_PIXELS * 64  # of a file, and of an array in it
 # what the readers of files raise where one is incomplete or none
-BROKEN = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, KeyError, SyntaxError, NotImplementedError, RuntimeError)
+BROKEN = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, KeyError, SyntaxError, NotImplementedError,
+          RuntimeError)
 NAMES = ("color", "colour", "rgb", "image", "picture")  # of the colours in an NPZ, else its only array of that shape
 
 
@@ -69,7 +70,7 @@ def _interpreted(path: Path, array: np.ndarray, told: list[str]) -> FinishedPict
         raise InputError(f"{path}: has the shape {array.shape}; a picture is (height, width, 3), as RGB")
     _require_size(path, array.shape[0], array.shape[1])
     kind = array.dtype
-    if kind == bool or kind.kind not in "uif" or kind.itemsize > 8:
+    if kind.kind not in "uif" or kind.itemsize > 8:
         raise InputError(f"{path}: holds numbers of type {kind}; give 8- or 16-bit whole numbers, or floats")
     if array.shape[2] in (2, 4):
         alpha = array[..., -1]
