@@ -6,7 +6,7 @@ import reference_tracer  # noqa: F401  chooses the LLVM library
 
 # files of tests that take more than some seconds together (`pytest --durations=0`): `make check` leaves them out
 SLOW = {
-    "accumulation", "attribution", "attribution_suite", "backend", "bench", "bounds", "broken_methods", "certify",
+    "accumulation", "attribution", "attribution_suite", "backend", "bench", "bounds", "broken_methods", "certify", "check_image",
     "certify_multiple_roots", "certify_tangency", "chart_suite", "clip", "command_line", "compilation", "conditioning",
     "cpp_port", "decisions", "document", "embree", "enclosures", "extending", "first_hit", "formulas",
     "hostile_inputs", "intervals", "laws", "matrix", "memory_bands", "mesh_clipping", "mesh_closed_forms",

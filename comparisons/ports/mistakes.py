@@ -141,7 +141,7 @@ CATALOGUE = {m.id: m for m in (
             amounts=(1e-3, 1e-2, 1e-1)),
     Mistake("side-from-the-sign", "a secondary ray's side is the sign of f at its origin, which is noise: specks",
             _D, "4.3", "M3",
-            amounts=(1.0, 2.0, 3.0, 4.0)),
+            amounts=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)),
     # normals
     Mistake("normal-not-turned", "the normal is not turned against the ray", _N, "4.3", "N1", _glass, amounts=(1.0, 2.0)),
     Mistake("normal-not-normalised", "the gradient is taken for the normal without normalising it", _N, "4.3", "N1"),
@@ -160,7 +160,8 @@ CATALOGUE = {m.id: m for m in (
     Mistake("brightness-squared", "the light's brightness is multiplied in twice", _I, "4.3.1", "L1"),
     # shadows
     Mistake("no-shadows", "there are no shadows", _S, "4.3.1", "L3"),
-    Mistake("transparency-once", "a transparent solid dims light by T instead of T x T", _S, "4.3.1", "L3", _glass),
+    Mistake("transparency-once", "a transparent solid dims light by T instead of T x T", _S, "4.3.1", "L3", _glass,
+            amounts=(1.0, 2.0)),
     Mistake("glass-casts-full-shadow", "transparent objects cast full shadows", _S, "4.3.1", "L3", _glass),
     Mistake("shadow-past-the-light", "shadow rays do not end at their light", _S, "4.3.1", "M5"),
     # reflection and mixing

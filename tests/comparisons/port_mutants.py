@@ -23,23 +23,28 @@ from reference_tracer.scene.model import Scene
 SCENE = parse_scene(b"""{"name": "every-effect", "background": [0.1, 0.15, 0.2],
   "camera": {"width": 80, "height": 60, "position": [0, 0.5, -1], "direction": [0.1, -0.12, 1]},
   "objects": [
-    {"surface": {"type": "plane", "center": [0, -1, 0], "a": 0, "b": 1, "c": 0}, "material": {"color": [0.6, 0.7, 0.5], "reflection": 0.1}},
+    {"surface": {"type": "plane", "center": [0, -1, 0], "a": 0, "b": 1, "c": 0},
+     "material": {"color": [0.6, 0.7, 0.5], "reflection": 0.1}},
     {"surface": {"type": "plane", "center": [0, 0, 9], "a": 0, "b": 0, "c": -1}, "material": {"color": [0.5, 0.4, 0.6]}},
     {"surface": {"type": "sphere", "center": [-1.3, -0.1, 5.5], "r": 0.9}, "material": {"color": [0.9, 0.3, 0.2]}},
     {"surface": {"type": "heart", "center": [1.6, 0.4, 3.4]}, "material": {"color": [0.7, 0.5, 0.2], "reflection": 0.1}},
-    {"surface": {"type": "sphere", "center": [1.3, 0.3, 6.2], "r": 1.1}, "material": {"color": [0.8, 0.8, 0.9], "reflection": 0.6}},
-    {"surface": {"type": "ellipsoid", "center": [0.2, -0.2, 3.0], "a": 0.35, "b": 0.7, "c": 0.4}, "rotation": {"axis": [1, 0.3, 1], "degrees": 35},
+    {"surface": {"type": "sphere", "center": [1.3, 0.3, 6.2], "r": 1.1},
+     "material": {"color": [0.8, 0.8, 0.9], "reflection": 0.6}},
+    {"surface": {"type": "ellipsoid", "center": [0.2, -0.2, 3.0], "a": 0.35, "b": 0.7, "c": 0.4},
+     "rotation": {"axis": [1, 0.3, 1], "degrees": 35},
      "material": {"color": [0.2, 0.5, 0.9], "reflection": 0.2, "transparency": 0.7, "refractive_index": 1.4}},
     {"surface": {"type": "sphere", "center": [-1.0, 0.3, 2.6], "r": 0.45},
      "material": {"color": [0.4, 0.8, 0.4], "reflection": 0.1, "transparency": 0.8, "refractive_index": 0.8}}],
-  "lights": [{"position": [2, 3, 0], "brightness": [0.7, 0.7, 0.6]}, {"position": [-2, 0.7, 7.5], "brightness": [0.5, 0.4, 0.3]}],
+  "lights": [{"position": [2, 3, 0], "brightness": [0.7, 0.7, 0.6]},
+             {"position": [-2, 0.7, 7.5], "brightness": [0.5, 0.4, 0.3]}],
   "tracing": {"max_distance": 14, "max_depth": 4}}""")
 
 MIX = "(visible * (1 - R) + reflected * R) * (1 - T) + refracted * T"
 TURNED = "if (dot(d, normal) > 0) normal = -normal;"
 LIGHT = "light.brightness * (cos * intensity)"
 TOTAL = "refracted = object.reflection > 0 ? reflected : trace(point, reflection_dir, sides, left, depth + 1);"
-REFLECTED, REFRACTED = "trace(point, reflection_dir, sides, left, depth + 1)", "trace(point, refraction_dir, through, left, depth + 1)"
+REFLECTED = "trace(point, reflection_dir, sides, left, depth + 1)"
+REFRACTED = "trace(point, refraction_dir, through, left, depth + 1)"
 THROUGH = "light_through(point, shadow_dir, distance, sides)"
 
 
@@ -84,7 +89,8 @@ CHANGES: dict[str, tuple[Change, ...]] = {
                                     "std::min(illumination.y, 1.0), std::min(illumination.z, 1.0)}"),),
     "no-shadows": (Change(THROUGH, "1.0"),),
     "shadow-past-the-light": (Change(THROUGH, "light_through(point, shadow_dir, max_distance, sides)"),),
-    "transparency-once": (statement("intensity *= objects[k].transparency;", "if (inside) intensity *= objects[k].transparency;"),),
+    "transparency-once": (statement("intensity *= objects[k].transparency;",
+                                    "if (inside) intensity *= objects[k].transparency;"),),
     "glass-casts-full-shadow": (statement("intensity *= objects[k].transparency;", "intensity = 0;"),),
     "reflected-short": (Change("d + normal * (2 * cos1)", "d + normal * cos1"),),
     "no-reflection": (Change(MIX, "visible * (1 - R) * (1 - T) + refracted * T"),),
@@ -97,7 +103,8 @@ CHANGES: dict[str, tuple[Change, ...]] = {
     "indices-inverted": (Change("sides[hit.index]", "!sides[hit.index]", "bool leaving = "),),
     "never-totally-reflected": (Change("sin1 > n2 / n1", "false"),),
     "total-reflection-lost": (statement(TOTAL, "refracted = Vec{};"),),
-    "total-reflection-weighs-r": (statement(TOTAL, TOTAL + " refracted = refracted * (object.reflection / object.transparency);"),),
+    "total-reflection-weighs-r": (statement(TOTAL, TOTAL + " refracted = refracted * (object.reflection / "
+                                            "object.transparency);"),),
     "not-refracted": (Change("normalize((d + normal * cos1) * (n1 / n2) - normal * cos2)", "d"),
                       Change("sin1 > n2 / n1", "false")),
     "one-generation-less": (Change("depth > max_depth", "depth >= max_depth"),),
@@ -106,14 +113,15 @@ CHANGES: dict[str, tuple[Change, ...]] = {
     "black-at-the-end": (Change("background", "Vec{}", "if (depth > max_depth) return "),),
     "black-background": (Change("background", "Vec{}", "if (hit.index < 0) return "),
                          Change("background", "Vec{}", "if (depth > max_depth) return ")),
-    "offset-along-the-ray": (
-        Change(REFLECTED, "trace(point + reflection_dir * 0.1, reflection_dir, sides, left, depth + 1)"),
-        Change(REFRACTED, "trace(point + refraction_dir * 0.1, refraction_dir, through, left, depth + 1)"),
-        Change(THROUGH, "light_through(point + shadow_dir * 0.1, shadow_dir, distance, sides)")),
+    "offset-along-the-normal": (
+        Change(REFLECTED, "trace(point + normal * 0.1, reflection_dir, sides, left, depth + 1)"),
+        Change(REFRACTED, "trace(point + normal * 0.1, refraction_dir, through, left, depth + 1)"),
+        Change(THROUGH, "light_through(point + normal * 0.1, shadow_dir, distance, sides)")),
     "side-from-the-sign": (
         Change("first_hit(o, d, sides, range)", "first_hit(o, d, signs(o), range)"),
         Change(THROUGH, "light_through(point, shadow_dir, distance, signs(point))")),
-    "heart-as-printed": (Change("surface->normal(to_local(point - center))", "surface->gradient(to_local(point - center))"),),
+    "heart-as-printed": (Change("surface->normal(to_local(point - center))",
+                                "surface->gradient(to_local(point - center))"),),
     "samples-at-corners": (Change("camera.ray(scene, row + (i + 0.5) / n, col + (j + 0.5) / n)",
                                   "camera.ray(scene, row + i / double(n), col + j / double(n))"),),
     "divided-by-n": (Change("1.0 / (n * n)", "1.0 / n"),),
