@@ -105,9 +105,25 @@ def _require_size(path: Path, height: int, width: int) -> None:
                          f"longer than {LONGEST_SIDE}")
 
 
+def _require_whole(path: Path) -> None:
+    """Raises ValueError unless a PNG has all its chunks: the library shows what is there of a truncated one, and says nothing."""
+    size, kind = path.stat().st_size, b""
+    with path.open("rb") as file:
+        if file.read(8) != b"\x89PNG\r\n\x1a\n":
+            raise ValueError("not a PNG")
+        while kind != b"IEND":
+            head = file.read(8)
+            kind = head[4:]
+            if len(head) < 8 or file.tell() + int.from_bytes(head[:4], "big") + 4 > size:
+                raise ValueError("it is incomplete")
+            file.seek(int.from_bytes(head[:4], "big") + 4, 1)
+
+
 def _image(path: Path) -> tuple[np.ndarray, list[str]]:
     import OpenImageIO as oiio
 
+    if path.suffix.lower() == ".png":
+        _require_whole(path)
     file = oiio.ImageInput.open(str(path))
     if file is None:
         raise OSError(oiio.geterror().strip().split("\n")[0] or "not a picture")

@@ -91,7 +91,7 @@ HOSTILE = {
     "truncated.png": (GOOD_PNG[:60], "cannot be read"),
     "empty.png": (b"", "cannot be read"),
     "text.png": (b"<script>alert(1)</script>", "cannot be read"),
-    "huge.png": (_png(100_000, 100_000, b""), "100000 x 100000"),
+    "huge.png": (_png(20_000, 20_000, b""), "cannot be read"),
     "huge.npy": (_npy((40000, 40000, 3)), "40000, 40000, 3"),
     "overflowing.npy": (_npy((2**62, 2**62, 3)), "can be checked at most"),
     "negative.npy": (_npy((-1, 8, 3)), "cannot be read"),
