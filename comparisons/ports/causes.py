@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -98,8 +98,16 @@ def of_the_file(q: Question) -> Causes | None:
             if found.broken <= (1 - ENOUGH) * len(every) and (best is None or found.explained > best.explained):
                 best = found
         if best and best.share >= ENOUGH:
-            return best
+            return _of_samples(best, q)
     return None
+
+
+def _of_samples(found: Causes, q: Question) -> Causes:
+    """A picture that is n times as bright as it should be at n x n samples has been divided by n instead of n^2."""
+    n = q.scene.tracing.samples
+    if n == 1 or abs(found.mistakes.get("scaled", 0) - n) > 0.01 * n:
+        return found
+    return replace(found, mistakes={"divided-by-n" if id == "scaled" else id: a for id, a in found.mistakes.items()})
 
 
 def _factor(color: np.ndarray, shown: np.ndarray) -> float:

@@ -242,7 +242,7 @@ def _causes(found: Causes | None) -> tuple[Cause, ...]:
     named = []
     for id, amount in found.mistakes.items():
         m = CATALOGUE[id]
-        shown = amount if m.fitted or (m.amounts != (1.0,) and id != "side-from-the-sign") else None
+        shown = amount if m.measured else None
         named.append(Cause(id, m.sentence, m.stage, m.section, m.decision, shown, found.shares.get(id, found.share)))
     return tuple(sorted(named, key=lambda c: -c.share))
 

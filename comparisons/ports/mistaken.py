@@ -357,6 +357,10 @@ class Tracers:
             if in_order is not None:
                 closer &= ~((in_order > 0) & (index >= 0))
             best, index = np.where(closer, t, best), np.where(closer, k, index)
+        if (m := self._of("snell-as-printed", who)) is not None and len(
+                lost := np.flatnonzero(~usable & (m == 2) & (rays.limit > 0) & rays.inside.any(axis=0))):
+            # f is NaN, which is not inside: the first sample differs, and Newton ends where it began
+            best[lost], index[lost] = 0.5 * self.step, rays.inside[:, lost].argmax(axis=0)
         return best, index
 
     def _rough(self, shape: Shape, rays: Rays, d, t, unrefined, once):

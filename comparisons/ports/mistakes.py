@@ -38,6 +38,11 @@ class Mistake:
     amounts: tuple[float, ...] = (1.0,)
     fitted: bool = False  # whether the amount may be any number, found by the difference that it makes
 
+    @property
+    def measured(self) -> bool:
+        """Whether an amount is a quantity; elsewhere it numbers the ways in which programs make the mistake."""
+        return self.fitted or self.id in ("step-size", "max-distance", "offset-along-the-ray", "offset-along-the-normal")
+
 
 # --- when a mistake can show -------------------------------------------------------------------------------------------
 def _mirrors(scene: Scene) -> bool:
@@ -118,7 +123,8 @@ CATALOGUE = {m.id: m for m in (
     Mistake("wrapped", "8-bit values above 255 wrap around instead of being clamped", _F, "6", "P1"),
     Mistake("scaled", "every colour is multiplied by one factor", _F, "6", "P1", amounts=(0.5, 2.0), fitted=True),
     # camera
-    Mistake("pixel-corners", "rays go through the pixels' corners instead of their centres", _C, "2", "C2"),
+    Mistake("pixel-corners", "rays go through the pixels' corners instead of their centres", _C, "2", "C2",
+            lambda s: s.tracing.samples == 1),
     Mistake("fov-over-the-shorter-side", "the field of view spans the shorter side instead of the longer one", _C, "2", "C1",
             _oblong),
     Mistake("fov-not-halved", "the tangent is that of the whole field of view, not of half of it", _C, "2", "C1"),
@@ -173,7 +179,8 @@ CATALOGUE = {m.id: m for m in (
     Mistake("weights-subtracted", "the point's own weight is 1 - R - T instead of (1 - R) (1 - T)", _M, "4.3.4", "",
             _mirrors_and_glass),
     # refraction
-    Mistake("snell-as-printed", "the law of refraction as misprinted: sin2 = sin1 n2 / n1", _T, "4.3.3.2", "E1", _refracting),
+    Mistake("snell-as-printed", "the law of refraction as misprinted: sin2 = sin1 n2 / n1", _T, "4.3.3.2", "E1", _refracting,
+            amounts=(1.0, 2.0)),  # its directions of NaN meet nothing, or what the literal steps make of them
     Mistake("indices-inverted", "n1 and n2 are exchanged", _T, "4.3.3", "R1", _refracting),
     Mistake("indices-not-swapped-on-leaving", "a ray that leaves an object is refracted as one that enters", _T, "4.3.3", "R1",
             _refracting),

@@ -23,7 +23,6 @@ from reference_tracer.tracer.render import render
 
 SAMPLED = SCENE.resized(40, 30, 2)
 OF_SAMPLES = ("samples-at-corners", "divided-by-n")
-# what a writer does to bytes moves every colour a little: more than one mistake of it may be named, none of the tracer
 TEN = ("figure-04-plane", "figure-05-sphere", "figure-06-ellipsoid", "figure-07-torus", "figure-08-paraboloid", "figure-09-heart",
        "effect-shading", "effect-shadow", "effect-reflection", "effect-refraction")
 
@@ -171,7 +170,7 @@ def test_the_command_tells_and_exits(tmp_path, capsys):
     assert document["failing"] <= document["pixels"] == 1200
     assert main(["check-image", str(file), "effect-shading"]) == 1
     out = capsys.readouterr().out
-    assert "y flipped" in out and "explains 100.0% of the" in out
+    assert "y flipped" in out and "of the 5" in out
     file.write_bytes(b"")
     assert main(["check-image", str(file), "effect-shading"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
