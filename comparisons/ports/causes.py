@@ -25,6 +25,7 @@ BESIDE = 0.35  # as many of those that pass, which mistakes must leave as they a
 BEAM = 3  # sets that go on from each round
 NOISY_COST = 20  # mistakes: what has several draws matches some pixels by chance
 MAPPED = 3000  # pixels on which maps of finished pixels are tried first
+MOST_LOOKED_AT = 1 << 21  # pixels of a picture that is searched for specks
 ROUNDS, LOOKS = 10, 4  # at most: rounds of one look, looks at what is left
 ENOUGH = 0.99  # of the failing pixels explained: nothing else is looked for
 NAMED = 0.5  # a cause that explains less than this is none
@@ -173,6 +174,21 @@ def of_the_tracer(q: Question, seed: int = 0, seconds: float = SECONDS) -> Cause
     return _Search(q, seed, seconds).causes()
 
 
+def _specks(q: Question, most: int) -> np.ndarray:
+    """Failing pixels that stand out most from their eight neighbours in the file itself, beyond what those differ among
+    themselves."""
+    height, width = q.failing.shape
+    if q.failing.size > MOST_LOOKED_AT or min(height, width) < 3:
+        return np.zeros(0, np.int64)
+    grey = np.pad(q.shown.mean(axis=-1).astype(np.float32), 1, mode="edge")
+    around = np.stack([grey[i:i + height, j:j + width] for i in range(3) for j in range(3)])
+    own = around[4].copy()
+    around.sort(axis=0)
+    stands_out = np.where(q.failing, np.abs(own - around[4]) - (around[6] - around[2]), 0).ravel()
+    chosen = np.argsort(-stands_out)[:most]
+    return chosen[stands_out[chosen] > 2 * q.tolerance]
+
+
 class _Search:
     def __init__(self, q: Question, seed: int, seconds: float):
         self.q, self.random, self.end = q, np.random.default_rng(seed), time.thread_time() + seconds
@@ -181,6 +197,8 @@ class _Search:
         failing, passing = np.flatnonzero(q.failing), np.flatnonzero(~q.failing)
         most = max(SCREENED, VERIFIED // n2)
         self.failing = self.random.permutation(failing)[:most]
+        if len(failing) > most:  # a mistake that shows in few pixels would be missed by chance
+            self.failing = np.union1d(self.failing, _specks(q, most // 8))
         self.passing = self.random.permutation(passing)[:int(BESIDE * most)]
         self.screened = max(40, min(SCREENED, 2 * SCREENED // n2))
         pool = np.concatenate([self.failing, self.passing])

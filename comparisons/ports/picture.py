@@ -106,7 +106,7 @@ def _require_size(path: Path, height: int, width: int) -> None:
 
 
 def _require_whole(path: Path) -> None:
-    """Raises ValueError unless a PNG has all its chunks: of a truncated one the library shows what is there, and says nothing."""
+    """Raises ValueError unless a PNG has all its chunks: of a truncated one the library silently shows what is there."""
     size, kind = path.stat().st_size, b""
     with path.open("rb") as file:
         if file.read(8) != b"\x89PNG\r\n\x1a\n":
