@@ -29,7 +29,7 @@ MOST_LOOKED_AT = 1 << 21  # pixels of a picture that is searched for specks
 ROUNDS, LOOKS = 10, 4  # at most: rounds of one look, looks at what is left
 ENOUGH = 0.99  # of the failing pixels explained: nothing else is looked for
 NAMED = 0.5  # a cause that explains less than this is none
-HALF = 0.2  # of a colour: a difference as large counts like none explained
+FAR, MISSED = 0.25, 0.15  # of a colour: differences that count alike; of a pixel: what the least difference counts
 COST = 0.004  # of all pixels, that one more mistake has to explain
 FEWEST = 2  # pixels that a mistake has to explain
 ENGINE = 2e-4  # what `Tracers` leaves out of a colour, at most, see `least`
@@ -162,7 +162,9 @@ class _Sample:
         return found
 
     def losses(self, differences: np.ndarray, sets: list[Mistakes]) -> np.ndarray:
-        off = np.where(differences <= self.tolerance, 0.0, 0.5 + 0.5 * np.minimum(differences / HALF, 1))
+        # near misses count less: one of several mistakes brings most pixels nearer, and makes few of them equal
+        near = np.sqrt(np.minimum(differences / FAR, 1))
+        off = np.where(differences <= self.tolerance, 0.0, MISSED + (1 - MISSED) * near)
         return off.mean(axis=1) + COST * np.array([sum(NOISY_COST if id in NOISY else 1 for id in s) for s in sets])
 
     def matched(self, sets: list[Mistakes]) -> np.ndarray:
@@ -171,7 +173,7 @@ class _Sample:
 
 def of_the_tracer(q: Question, seed: int = 0, seconds: float = SECONDS) -> Causes:
     """Which mistakes explain the failing pixels."""
-    return _Search(q, seed, seconds).causes()
+    return _of_samples(_Search(q, seed, seconds).causes(), q)
 
 
 def _specks(q: Question, most: int) -> np.ndarray:
@@ -277,6 +279,7 @@ class _Search:
         ask(seeds)
         singles = sorted(((loss, sets[key]) for key, loss in seen.items() if len(key) == 1), key=lambda pair: pair[0])
         beam, best = [], np.inf
+        ask(self._fitted(sample, sets[key]) for key in sorted(seen, key=seen.get)[:BEAM])
         for _ in range(ROUNDS):
             beam = sorted(seen, key=seen.get)[:BEAM]
             if seen[beam[0]] > best - COST / 4 or seen[beam[0]] <= COST * (len(beam[0]) + 1) or time.thread_time() > self.end:
