@@ -7,9 +7,9 @@ import reference_tracer  # noqa: F401  chooses the LLVM library
 # files of tests that take more than some seconds together (`pytest --durations=0`): `make check` leaves them out
 SLOW = {
     "accumulation", "attribution", "attribution_suite", "backend", "bench", "bounds", "broken_methods", "bundle",
-    "certify", "certify_multiple_roots", "certify_switches", "certify_tangency", "chart_suite", "clip",
-    "command_line", "compilation", "conditioning", "cpp_port", "decisions", "docs", "document", "effects", "embree",
-    "enclosures", "extending", "figure_switches", "figure_switches_elsewhere", "first_hit", "formulas",
+    "certify", "certify_multiple_roots", "certify_switches", "certify_tangency", "chart_suite", "check_image",
+    "clip", "command_line", "compilation", "conditioning", "cpp_port", "decisions", "docs", "document", "effects",
+    "embree", "enclosures", "extending", "figure_switches", "figure_switches_elsewhere", "first_hit", "formulas",
     "hostile_inputs", "hostile_ports", "interrupted_suites", "intervals", "laws", "matrix", "memory_bands",
     "mesh_clipping", "mesh_closed_forms", "mesh_error", "misbehaving", "mitsuba_geometry", "mitsuba_grids",
     "mitsuba_picture", "mitsuba_refined", "mutants", "nearest_scene", "not_finite", "odd_parts", "oracle",

@@ -39,15 +39,21 @@ class PortPicture:
 @cache
 def build() -> Path:
     """The port's program, compiled once a process. Raises MissingError without a compiler or the source."""
+    if not SOURCE.exists():
+        raise MissingError("the C++ port's source is not installed with the package; run from a checkout of raytruth")
+    return compiled(SOURCE.read_text(encoding="utf-8"))
+
+
+def compiled(source: str) -> Path:
+    """A program from the text of a port, kept as long as the process. Raises MissingError without a compiler."""
     compiler = os.environ.get("CXX") or next(filter(shutil.which, ("g++", "c++", "clang++")), None)
     if compiler is None:
         raise MissingError("the C++ port needs a C++ compiler; install g++, or name one in CXX")
-    if not SOURCE.exists():
-        raise MissingError("the C++ port's source is not installed with the package; run from a checkout of raytruth")
     folder = tempfile.mkdtemp(prefix="raytruth-port-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    program = Path(folder) / "tracer"
-    command = [*compiler.split(), *FLAGS, str(SOURCE), "-o", str(program)]
+    program, text = Path(folder) / "tracer", Path(folder) / "tracer.cpp"
+    text.write_text(source, encoding="utf-8")
+    command = [*compiler.split(), *FLAGS, str(text), "-o", str(program)]
     try:
         made = subprocess.run(command, capture_output=True, text=True, timeout=300)
     except OSError as error:

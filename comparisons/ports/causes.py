@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
@@ -23,14 +23,17 @@ from .mistakes import CATALOGUE, NOISY, SWITCHES, Mistakes, filed, moved, possib
 SCREENED, VERIFIED = 150, 5000  # failing pixels on which sets are tried, on which the result is verified, at 1 sample each
 BESIDE = 0.35  # as many of those that pass, which mistakes must leave as they are
 BEAM = 3  # sets that go on from each round
+NOISY_COST = 20  # mistakes: what has several draws matches some pixels by chance
+MAPPED = 3000  # pixels on which maps of finished pixels are tried first
+MOST_LOOKED_AT = 1 << 21  # pixels of a picture that is searched for specks
 ROUNDS, LOOKS = 10, 4  # at most: rounds of one look, looks at what is left
 ENOUGH = 0.99  # of the failing pixels explained: nothing else is looked for
 NAMED = 0.5  # a cause that explains less than this is none
-HALF = 0.2  # of a colour: a difference as large counts like none explained
+FAR, MISSED = 0.25, 0.15  # of a colour: differences that count alike; of a pixel: what the least difference counts
 COST = 0.004  # of all pixels, that one more mistake has to explain
 FEWEST = 2  # pixels that a mistake has to explain
 ENGINE = 2e-4  # what `Tracers` leaves out of a colour, at most, see `least`
-SECONDS = 12.0  # of search
+SECONDS = 8.0  # of computing for the search
 
 
 @dataclass(frozen=True)
@@ -74,30 +77,43 @@ def of_the_file(q: Question) -> Causes | None:
     """Mistakes that move or map finished pixels, tried on the whole picture: nothing has to be traced for them."""
     height, width = q.failing.shape
     ids = [id for id, m in _candidates(q).items() if m.stage == "file"]
-    rows, columns = np.mgrid[:height, :width]
+    every = np.arange(height * width)
+    few = np.random.default_rng(0).permutation(every)[:MAPPED]
+
+    def tried(chosen: tuple[str, ...], pixels: np.ndarray) -> Causes:
+        mistakes, shown, failing = dict.fromkeys(chosen, 1.0), q.shown.reshape(-1, 3)[pixels], q.failing.ravel()[pixels]
+        color = q.truth[moved(mistakes, *np.divmod(pixels, width), height, width)]
+        if "scaled" in mistakes:
+            mistakes["scaled"] = _factor(color, shown)
+        with np.errstate(invalid="ignore"):
+            same = np.abs(filed(mistakes, color, q.levels) - shown).max(axis=-1) <= q.tolerance
+        return Causes(mistakes, int((same & failing).sum()), int(failing.sum()), int((~same & ~failing).sum()),
+                      int((~failing).sum()), 0)
+
     best = None
     for size in (1, 2, 3):
         for chosen in combinations(ids, size):
-            if "transposed" in chosen and height != width:
+            if len(few) < len(every) and tried(chosen, few).share < NAMED:
                 continue
-            mistakes = {id: 1.0 for id in chosen}
-            color = q.truth[moved(mistakes, rows, columns, height, width)]
-            if "scaled" in mistakes:
-                mistakes["scaled"] = _factor(color, q)
-            with np.errstate(invalid="ignore"):
-                same = np.abs(filed(mistakes, color, q.levels) - q.shown).max(axis=-1) <= q.tolerance
-            found = Causes(mistakes, int((same & q.failing).sum()), int(q.failing.sum()), int((~same & ~q.failing).sum()),
-                           int((~q.failing).sum()), 0)
-            if found.broken <= (1 - ENOUGH) * q.failing.size and (best is None or found.explained > best.explained):
+            found = tried(chosen, every)
+            if found.broken <= (1 - ENOUGH) * len(every) and (best is None or found.explained > best.explained):
                 best = found
         if best and best.share >= ENOUGH:
-            return best
+            return _of_samples(best, q)
     return None
 
 
-def _factor(color: np.ndarray, q: Question) -> float:
-    usable = (color > 0.1) & (q.shown > 0.02) & (q.shown < 0.98)
-    return float(np.median(q.shown[usable] / color[usable])) if usable.any() else 1.0
+def _of_samples(found: Causes, q: Question) -> Causes:
+    """A picture that is n times as bright as it should be at n x n samples has been divided by n instead of n^2."""
+    n = q.scene.tracing.samples
+    if n == 1 or abs(found.mistakes.get("scaled", 0) - n) > 0.01 * n:
+        return found
+    return replace(found, mistakes={"divided-by-n" if id == "scaled" else id: a for id, a in found.mistakes.items()})
+
+
+def _factor(color: np.ndarray, shown: np.ndarray) -> float:
+    usable = (color > 0.1) & (shown > 0.02) & (shown < 0.98)
+    return float(np.median(shown[usable] / color[usable])) if usable.any() else 1.0
 
 
 def _candidates(q: Question) -> dict:
@@ -146,8 +162,10 @@ class _Sample:
         return found
 
     def losses(self, differences: np.ndarray, sets: list[Mistakes]) -> np.ndarray:
-        off = np.where(differences <= self.tolerance, 0.0, 0.5 + 0.5 * np.minimum(differences / HALF, 1))
-        return off.mean(axis=1) + COST * np.array([len(s) for s in sets])
+        # near misses count less: one of several mistakes brings most pixels nearer, and makes few of them equal
+        near = np.sqrt(np.minimum(differences / FAR, 1))
+        off = np.where(differences <= self.tolerance, 0.0, MISSED + (1 - MISSED) * near)
+        return off.mean(axis=1) + COST * np.array([sum(NOISY_COST if id in NOISY else 1 for id in s) for s in sets])
 
     def matched(self, sets: list[Mistakes]) -> np.ndarray:
         return self.differences(sets) <= self.tolerance
@@ -155,17 +173,34 @@ class _Sample:
 
 def of_the_tracer(q: Question, seed: int = 0, seconds: float = SECONDS) -> Causes:
     """Which mistakes explain the failing pixels."""
-    return _Search(q, seed, seconds).causes()
+    return _of_samples(_Search(q, seed, seconds).causes(), q)
+
+
+def _specks(q: Question, most: int) -> np.ndarray:
+    """Failing pixels that stand out most from their eight neighbours in the file itself, beyond what those differ among
+    themselves."""
+    height, width = q.failing.shape
+    if q.failing.size > MOST_LOOKED_AT or min(height, width) < 3:
+        return np.zeros(0, np.int64)
+    grey = np.pad(q.shown.mean(axis=-1).astype(np.float32), 1, mode="edge")
+    around = np.stack([grey[i:i + height, j:j + width] for i in range(3) for j in range(3)])
+    own = around[4].copy()
+    around.sort(axis=0)
+    stands_out = np.where(q.failing, np.abs(own - around[4]) - (around[6] - around[2]), 0).ravel()
+    chosen = np.argsort(-stands_out)[:most]
+    return chosen[stands_out[chosen] > 2 * q.tolerance]
 
 
 class _Search:
     def __init__(self, q: Question, seed: int, seconds: float):
-        self.q, self.random, self.end = q, np.random.default_rng(seed), time.monotonic() + seconds
+        self.q, self.random, self.end = q, np.random.default_rng(seed), time.thread_time() + seconds
         self.candidates = _candidates(q)
         n2 = q.scene.tracing.samples**2
         failing, passing = np.flatnonzero(q.failing), np.flatnonzero(~q.failing)
         most = max(SCREENED, VERIFIED // n2)
         self.failing = self.random.permutation(failing)[:most]
+        if len(failing) > most:  # a mistake that shows in few pixels would be missed by chance
+            self.failing = np.union1d(self.failing, _specks(q, most // 8))
         self.passing = self.random.permutation(passing)[:int(BESIDE * most)]
         self.screened = max(40, min(SCREENED, 2 * SCREENED // n2))
         pool = np.concatenate([self.failing, self.passing])
@@ -183,8 +218,10 @@ class _Search:
         matched = pool.matched([best])[0]
         for _ in range(LOOKS - 1):
             left = pool.failing & ~matched
-            if left.sum() < 2 or time.monotonic() > self.end:
+            if left.sum() < 2 or time.thread_time() > self.end:
                 break
+            if (matched & pool.failing).sum() >= ENOUGH * pool.failing.sum():  # what is left is rare: a switch, or nothing
+                self.candidates = {id: m for id, m in self.candidates.items() if id in SWITCHES}
             better, _ = self._climb(self._screen(left | ~matched), [best, {}])
             again = pool.matched([better])[0]
             if again.sum() < matched.sum() + FEWEST * max(len(better) - len(best), 1):
@@ -195,7 +232,7 @@ class _Search:
         if len(best) == 1:
             alternatives = self._alternatives(pool, best, matched, singles)
         return Causes(best, int((matched & pool.failing).sum()), int(pool.failing.sum()), int((~matched & ~pool.failing).sum()),
-                      int((~pool.failing).sum()), self.left_out, alternatives, shares, time.monotonic() <= self.end)
+                      int((~pool.failing).sum()), self.left_out, alternatives, shares, time.thread_time() <= self.end)
 
     def _screen(self, stressed: np.ndarray) -> _Sample:
         """Pixels to try on: half of them, if there are that many, from those that are `stressed`."""
@@ -242,9 +279,10 @@ class _Search:
         ask(seeds)
         singles = sorted(((loss, sets[key]) for key, loss in seen.items() if len(key) == 1), key=lambda pair: pair[0])
         beam, best = [], np.inf
+        ask(self._fitted(sample, sets[key]) for key in sorted(seen, key=seen.get)[:BEAM])
         for _ in range(ROUNDS):
             beam = sorted(seen, key=seen.get)[:BEAM]
-            if seen[beam[0]] > best - COST / 4 or seen[beam[0]] <= COST * (len(beam[0]) + 1) or time.monotonic() > self.end:
+            if seen[beam[0]] > best - COST / 4 or seen[beam[0]] <= COST * (len(beam[0]) + 1) or time.thread_time() > self.end:
                 break
             best = seen[beam[0]]
             ask(s for key in beam for s in self._neighbours(sets[key]))
@@ -267,7 +305,7 @@ class _Search:
         """The same mistakes, those that have a size with the one at which the picture differs least."""
         for id in [i for i in mistakes if CATALOGUE[i].fitted]:
             spread = 0.3
-            while spread > 1e-7 and time.monotonic() < self.end:
+            while spread > 1e-7 and time.thread_time() < self.end:
                 tries = [{**mistakes, id: mistakes[id] * (1 + spread * k / 4)} for k in range(-4, 5)]
                 near = max(3 * sample.tolerance, spread * 0.1)  # what is farther off has other causes
                 loss = (np.minimum(sample.differences(tries), near)**2).mean(axis=1)
@@ -284,7 +322,7 @@ class _Search:
             others = pool.matched(fewer)
             lost = matched.sum() - others.sum(axis=1)
             k = int(lost.argmin())
-            if lost[k] >= FEWEST:
+            if lost[k] >= (FEWEST if list(mistakes)[k] not in NOISY else 0.05 * pool.failing.sum()):
                 failing = max(int(pool.failing.sum()), 1)
                 return mistakes, matched, {id: float(n) / failing for id, n in zip(mistakes, lost)}
             mistakes, matched = fewer[k], others[k]

@@ -26,6 +26,7 @@ from .picture import FinishedPicture
 METHODS = ("exact", "paper")
 PLANES = ("color", "index", "status")
 SINGLE = 32  # bits: what rounding is taken to have been at worst
+ALIKE = 1.05  # numbers of failing pixels whose ratio is less
 COARSE, MOST_COARSE = 1e-3, 0.02  # a picture with more pixels further off than this has not been rounded: a colour, a share
 
 
@@ -193,7 +194,12 @@ def _nearest(picture: FinishedPicture, readings: list[Form], progress) -> tuple[
             tried.append(_held(picture, form, method))
         if any(not h.differing.any() for h in tried):
             break
-    best = min(tried, key=lambda h: (int((h.differing & ~h.undecided).sum()), int(h.differing.sum())))
+    failing = lambda h: int((h.differing & ~h.undecided).sum())
+    best = min(tried, key=lambda h: (failing(h), int(h.differing.sum())))
+    # where both fail alike, the mistake is not one of the method: a port more likely has the document's own
+    literal = next(h for h in tried if h.form is best.form and h.method == "paper")
+    if failing(best) and failing(literal) <= ALIKE * failing(best):
+        best = literal
     return best, tuple((h.form.name, h.method, int(h.differing.sum())) for h in tried)
 
 
@@ -236,7 +242,7 @@ def _causes(found: Causes | None) -> tuple[Cause, ...]:
     named = []
     for id, amount in found.mistakes.items():
         m = CATALOGUE[id]
-        shown = amount if m.fitted or m.amounts != (1.0,) and id != "side-from-the-sign" else None
+        shown = amount if m.measured else None
         named.append(Cause(id, m.sentence, m.stage, m.section, m.decision, shown, found.shares.get(id, found.share)))
     return tuple(sorted(named, key=lambda c: -c.share))
 

@@ -97,40 +97,57 @@ class Shape:
 
         Where `h` (n,) is not 0, it is the literal step: two changes of sign in one go unseen, and the root is Newton's.
         """
-        o, d = self.into(o - self.center), self.into(d)
+        o, d, literal = self.into(o - self.center), self.into(d), np.flatnonzero(h > 0)
         if self.quadric is not None:
             first, second = self._roots(o, d, inside)
-            with np.errstate(invalid="ignore", divide="ignore"):
-                unseen = (h > 0) & (np.ceil(first / h) == np.ceil(second / h)) & np.isfinite(second)
-            return np.where((first <= limit) & ~unseen, first, np.inf)
+            found = np.where(first <= limit, first, np.inf)
+            if len(literal):
+                some = literal
+                with np.errstate(invalid="ignore"):
+                    unseen = np.ceil(first[some] / h[some]) == np.ceil(second[some] / h[some])
+                found[some[unseen & np.isfinite(second[some])]] = np.inf
+                self._at_once(found, o, d, inside, limit, h, some, tracing)
+            return found
         found = np.full(len(limit), np.inf)
         low, high = self._span(o, d, limit)
         rays = np.flatnonzero(low < high)
-        if not len(rays):
-            return found
-        t, signs = self._signs(o[:, rays], d[:, rays], low[rays], high[rays], h[rays], tracing.step_size)
-        changed = signs != inside[rays][:, None]
-        hit = np.flatnonzero(changed.any(axis=1))
-        k = changed[hit].argmax(axis=1)
-        before = np.where(k > 0, t[hit, np.maximum(k - 1, 0)], np.maximum(low[rays[hit]], 0))
-        rays, after = rays[hit], t[hit, k]
-        found[rays] = self._bisected(o[:, rays], d[:, rays], before, after, inside[rays])
-        if len(some := np.flatnonzero(h[rays] > 0)):
-            rays, h = rays[some], h[rays[some]]
-            middle = 0.5 * ((np.ceil(after[some] / h - 1e-9) - 1) * h + after[some])
-            found[rays] = self.newton(o[:, rays], d[:, rays], middle, tracing.tolerance, tracing.max_iterations)
+        if len(rays):
+            t, signs = self._signs(o[:, rays], d[:, rays], low[rays], high[rays], h[rays], tracing.step_size)
+            changed = signs != inside[rays][:, None]
+            hit = np.flatnonzero(changed.any(axis=1))
+            k = changed[hit].argmax(axis=1)
+            before = np.where(k > 0, t[hit, np.maximum(k - 1, 0)], np.maximum(low[rays[hit]], 0))
+            rays, after = rays[hit], t[hit, k]
+            found[rays] = self._bisected(o[:, rays], d[:, rays], before, after, inside[rays])
+            if len(some := np.flatnonzero(h[rays] > 0)):
+                rays, step = rays[some], h[rays[some]]
+                middle = 0.5 * ((np.ceil(after[some] / step - 1e-9) - 1) * step + after[some])
+                found[rays] = self.newton(o[:, rays], d[:, rays], middle, tracing)
+        if len(literal):
+            self._at_once(found, o, d, inside, limit, h, literal, tracing)
         return found
 
-    def newton(self, o, d, t, tolerance, iterations):
+    def _at_once(self, found, o, d, inside, limit, h, some, tracing) -> None:
+        """A ray that is not on the side where it is thought to be: the first sample differs, and Newton starts before it."""
+        end = np.minimum(h[some], limit[some])
+        with np.errstate(all="ignore"):
+            f = self.surface(*(o[:, some] + end * d[:, some]))
+        some, end = (v[((f < 0) & (f > -np.inf)) != inside[some]] for v in (some, end))
+        usable = limit[some] > 0
+        some, end = some[usable], end[usable]
+        if len(some):
+            found[some] = self.newton(o[:, some], d[:, some], 0.5 * end, tracing)
+
+    def newton(self, o, d, t, tracing):
         """Section 4.2: of f as printed, freely from t on (M6)."""
         active = np.ones(len(t), bool)
-        for _ in range(iterations):
+        for _ in range(tracing.max_iterations):
             g, slope = self.slope(o, d, t)
             with np.errstate(all="ignore"):
                 dt = np.where(active, g / slope, 0.0)
             active &= np.isfinite(dt)
             t = np.where(active, t - dt, t)
-            active &= np.abs(dt) > tolerance * np.maximum(1, np.abs(t))
+            active &= np.abs(dt) > tracing.tolerance * np.maximum(1, np.abs(t))
             if not active.any():
                 break
         return t
@@ -140,17 +157,33 @@ class Shape:
         o, d = self.into(o - self.center), self.into(d)
         if self.quadric is not None:
             first, second = self._roots(o, d, inside)
-            count = (first < limit).astype(np.int64) + (second < limit)
+            found = (first < limit).astype(np.int64) + (second < limit)
+        else:
+            found = np.zeros(len(limit), np.int64)
+            low, high = self._span(o, d, limit)
+            rays = np.flatnonzero(low < high)
+            if len(rays):
+                _, signs = self._signs(o[:, rays], d[:, rays], low[rays], high[rays], h[rays], step)
+                signs = np.concatenate([inside[rays][:, None], signs], axis=1)
+                found[rays] = (signs[:, 1:] != signs[:, :-1]).sum(axis=1)
+        some = np.flatnonzero(h > 0)
+        if len(some) and self.quadric is not None:
             with np.errstate(invalid="ignore", divide="ignore"):
-                unseen = (h > 0) & (count == 2) & (np.ceil(first / h) == np.ceil(second / h))
-            return np.where(unseen, 0, count)
-        found = np.zeros(len(limit), np.int64)
-        low, high = self._span(o, d, limit)
-        rays = np.flatnonzero(low < high)
-        if len(rays):
-            _, signs = self._signs(o[:, rays], d[:, rays], low[rays], high[rays], h[rays], step)
-            signs = np.concatenate([inside[rays][:, None], signs], axis=1)
-            found[rays] = (signs[:, 1:] != signs[:, :-1]).sum(axis=1)
+                unseen = (found[some] == 2) & (np.ceil(first[some] / h[some]) == np.ceil(second[some] / h[some]))
+            found[some[unseen]] = 0
+        if len(some):  # see `_at_once`
+            end = np.minimum(h[some], limit[some])
+            with np.errstate(all="ignore"):
+                f = self.surface(*(o[:, some] + end * d[:, some]))
+            now = (f < 0) & (f > -np.inf)
+            wrong = some[now != inside[some]]
+            if len(wrong) and self.quadric is not None:
+                end = np.minimum(h, limit)[wrong]
+                first, second = self._roots(o[:, wrong] + end * d[:, wrong], d[:, wrong], ~inside[wrong])
+                left = limit[wrong] - end
+                found[wrong] = 1 + (first < left).astype(np.int64) + (second < left)
+            elif len(wrong):
+                found[wrong] = np.maximum(found[wrong], 1)
         return found
 
     def _roots(self, o, d, inside):
@@ -230,7 +263,8 @@ class Tracers:
         self.amounts = {id: np.array([s.get(id, 0.0) for s in sets]) for id in ids}
         self.step = scene.tracing.step_size
         steps = self.amounts.get("step-size", np.zeros(len(sets)))
-        self.h = np.where(steps > 0, steps * self.step, self.step if literal else 0.0)
+        stepping = sum(self._of(id, slice(None), 0) for id in ("root-unrefined", "one-newton-step")) > 0
+        self.h = np.where(steps > 0, steps * self.step, np.where(stepping | literal, self.step, 0.0)) + np.zeros(len(sets))
         if scene.tracing.range == "path":
             self.amounts["range-per-path"] = np.ones(len(sets))
         material = [o.material for o in scene.objects]
@@ -323,6 +357,10 @@ class Tracers:
             if in_order is not None:
                 closer &= ~((in_order > 0) & (index >= 0))
             best, index = np.where(closer, t, best), np.where(closer, k, index)
+        if (m := self._of("snell-as-printed", who)) is not None and len(
+                lost := np.flatnonzero(~usable & (m == 2) & (rays.limit > 0) & rays.inside.any(axis=0))):
+            # f is NaN, which is not inside: the first sample differs, and Newton ends where it began
+            best[lost], index[lost] = 0.5 * self.step, rays.inside[:, lost].argmax(axis=0)
         return best, index
 
     def _rough(self, shape: Shape, rays: Rays, d, t, unrefined, once):
@@ -344,8 +382,9 @@ class Tracers:
     def _transmittance(self, o, d, inside, distance, who):
         """Section 4.3.1: what is left of the light from `distance` away."""
         left = np.ones(len(distance))
-        none, opaque, once, full = (self._of(id, who, np.zeros(1)) > 0 for id in (
-            "no-shadows", "glass-casts-no-shadow", "transparency-once", "glass-casts-full-shadow"))
+        none, opaque, full = (self._of(id, who, np.zeros(1)) > 0 for id in (
+            "no-shadows", "glass-casts-no-shadow", "glass-casts-full-shadow"))
+        once = self._of("transparency-once", who)
         past = self._of("shadow-past-the-light", who)
         if past is not None:
             distance = np.where(past > 0, self.max_distance[who], distance)
@@ -359,7 +398,9 @@ class Tracers:
                 continue
             count = shape.count(o[:, rays], d[:, rays], inside[k, rays], distance[rays], h[rays], self.step)
             factor = T ** count.astype(float)
-            factor = np.where(np.broadcast_to(once, left.shape)[rays] & (count > 0), T, factor)
+            if once is not None:
+                entered = (count + ~inside[k, rays]) // 2
+                factor = np.where(once[rays] == 1, np.where(count > 0, T, 1.0), np.where(once[rays] == 2, T**entered, factor))
             left[rays] *= np.where(np.broadcast_to(full, left.shape)[rays] & (count > 0), 0.0, factor)
         return left
 
@@ -424,6 +465,7 @@ class Tracers:
             cos1 = np.abs(cos1)
         if (m := self._of("normal-inverted", who)) is not None:
             flip = np.where(m > 0, ~flip, flip)
+            cos1 = np.where(m == 1, -cos1, cos1)  # 2: the cosine alone is made positive
         normal = np.where(flip, -normal, normal)
         return normal, cos1
 
@@ -510,8 +552,9 @@ class Tracers:
             if "refraction" in self.scene.tracing.effects:
                 through, total, direction = self._refracted(rays, who, normal, cos1, k)
                 own = T
-                if (m := self._of("total-reflection-lost", who)) is not None:
-                    own = np.where(m > 0, 0.0, own)
+                for id in ("total-reflection-lost", "no-refraction"):
+                    if (m := self._of(id, who)) is not None:
+                        own = np.where(m > 0, 0.0, own)
                 if (m := self._of("total-reflection-weighs-r", who)) is not None:
                     own = np.where(m > 0, R, own)
                 weight = weight + np.where(total, own, 0.0)

@@ -38,6 +38,11 @@ class Mistake:
     amounts: tuple[float, ...] = (1.0,)
     fitted: bool = False  # whether the amount may be any number, found by the difference that it makes
 
+    @property
+    def measured(self) -> bool:
+        """Whether an amount is a quantity; elsewhere it numbers the ways in which programs make the mistake."""
+        return self.fitted or self.id in ("step-size", "max-distance", "offset-along-the-ray", "offset-along-the-normal")
+
 
 # --- when a mistake can show -------------------------------------------------------------------------------------------
 def _mirrors(scene: Scene) -> bool:
@@ -100,10 +105,11 @@ CATALOGUE = {m.id: m for m in (
     Mistake("ambient", "the illumination starts at a number above 0, an ambient light", _I, "4.3.1", "F2",
             amounts=(0.1, 0.03, 0.3), fitted=True),
     Mistake("glass-casts-no-shadow", "transparent objects cast no shadow", _S, "4.3.1", "F3 L3", _glass),
-    Mistake("range-per-path", "the range is shared along a path instead of each ray having its own", _D, "4.1", "F4 M5", _secondary),
+    Mistake("range-per-path", "the range is shared along a path instead of each ray having its own", _D, "4.1", "F4 M5",
+            _secondary),
     Mistake("fixed-axes", "the canvas's axes stay the world's x and y when the camera turns", _C, "2", "F5 C1", _turned),
-    Mistake("heart-as-printed", "the heart's normal comes from the printed polynomial, whose gradient vanishes along y = 0: specks",
-            _N, "7.1.6", "F6 O5", _heart),
+    Mistake("heart-as-printed", "the heart's normal comes from the printed polynomial, whose gradient vanishes along y = 0: "
+            "specks", _N, "7.1.6", "F6 O5", _heart),
     # the file
     Mistake("rows-from-the-bottom", "rows are counted from the bottom (y flipped)", _F, "2", "C1"),
     Mistake("columns-from-the-right", "columns are counted from the right (x flipped)", _F, "2", "C1"),
@@ -117,8 +123,10 @@ CATALOGUE = {m.id: m for m in (
     Mistake("wrapped", "8-bit values above 255 wrap around instead of being clamped", _F, "6", "P1"),
     Mistake("scaled", "every colour is multiplied by one factor", _F, "6", "P1", amounts=(0.5, 2.0), fitted=True),
     # camera
-    Mistake("pixel-corners", "rays go through the pixels' corners instead of their centres", _C, "2", "C2"),
-    Mistake("fov-over-the-shorter-side", "the field of view spans the shorter side instead of the longer one", _C, "2", "C1", _oblong),
+    Mistake("pixel-corners", "rays go through the pixels' corners instead of their centres", _C, "2", "C2",
+            lambda s: s.tracing.samples == 1),
+    Mistake("fov-over-the-shorter-side", "the field of view spans the shorter side instead of the longer one", _C, "2", "C1",
+            _oblong),
     Mistake("fov-not-halved", "the tangent is that of the whole field of view, not of half of it", _C, "2", "C1"),
     Mistake("one-pixel-too-few", "the canvas is divided by width - 1 instead of width", _C, "2", "C1"),
     Mistake("camera-ray-not-normalised", "the camera's rays are not normalised", _C, "2", "R4"),
@@ -134,14 +142,16 @@ CATALOGUE = {m.id: m for m in (
             lambda s: len(s.objects) > 1),
     Mistake("offset-along-the-ray", "secondary and shadow rays start a little along their direction", _D, "4.3", "M3",
             amounts=(1e-3, 1e-2, 1e-1)),
-    Mistake("offset-along-the-normal", "secondary and shadow rays start a little along the normal, refracted ones too", _D, "4.3", "M3",
+    Mistake("offset-along-the-normal", "secondary and shadow rays start a little along the normal, refracted ones too",
+            _D, "4.3", "M3",
             amounts=(1e-3, 1e-2, 1e-1)),
-    Mistake("side-from-the-sign", "a secondary ray's side is the sign of f at its origin, which is noise: specks", _D, "4.3", "M3",
-            amounts=(1.0, 2.0, 3.0, 4.0)),
+    Mistake("side-from-the-sign", "a secondary ray's side is the sign of f at its origin, which is noise: specks",
+            _D, "4.3", "M3",
+            amounts=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)),
     # normals
     Mistake("normal-not-turned", "the normal is not turned against the ray", _N, "4.3", "N1", _glass, amounts=(1.0, 2.0)),
     Mistake("normal-not-normalised", "the gradient is taken for the normal without normalising it", _N, "4.3", "N1"),
-    Mistake("normal-inverted", "the normal points along the ray instead of against it", _N, "4.3", "N1"),
+    Mistake("normal-inverted", "the normal points along the ray instead of against it", _N, "4.3", "N1", amounts=(1.0, 2.0)),
     # light
     Mistake("falls-off-squared", "light falls off with the square of the distance", _I, "4.3.1", "L1"),
     Mistake("falls-off", "light falls off with the distance", _I, "4.3.1", "L1"),
@@ -156,7 +166,8 @@ CATALOGUE = {m.id: m for m in (
     Mistake("brightness-squared", "the light's brightness is multiplied in twice", _I, "4.3.1", "L1"),
     # shadows
     Mistake("no-shadows", "there are no shadows", _S, "4.3.1", "L3"),
-    Mistake("transparency-once", "a transparent solid dims light by T instead of T x T", _S, "4.3.1", "L3", _glass),
+    Mistake("transparency-once", "a transparent solid dims light by T instead of T x T", _S, "4.3.1", "L3", _glass,
+            amounts=(1.0, 2.0)),
     Mistake("glass-casts-full-shadow", "transparent objects cast full shadows", _S, "4.3.1", "L3", _glass),
     Mistake("shadow-past-the-light", "shadow rays do not end at their light", _S, "4.3.1", "M5"),
     # reflection and mixing
@@ -168,15 +179,18 @@ CATALOGUE = {m.id: m for m in (
     Mistake("weights-subtracted", "the point's own weight is 1 - R - T instead of (1 - R) (1 - T)", _M, "4.3.4", "",
             _mirrors_and_glass),
     # refraction
-    Mistake("snell-as-printed", "the law of refraction as misprinted: sin2 = sin1 n2 / n1", _T, "4.3.3.2", "E1", _refracting),
+    Mistake("snell-as-printed", "the law of refraction as misprinted: sin2 = sin1 n2 / n1", _T, "4.3.3.2", "E1", _refracting,
+            amounts=(1.0, 2.0)),  # its directions of NaN meet nothing, or what the literal steps make of them
     Mistake("indices-inverted", "n1 and n2 are exchanged", _T, "4.3.3", "R1", _refracting),
     Mistake("indices-not-swapped-on-leaving", "a ray that leaves an object is refracted as one that enters", _T, "4.3.3", "R1",
             _refracting),
     Mistake("not-refracted", "rays go straight through transparent objects", _T, "4.3.3", "R1", _refracting),
     Mistake("no-refraction", "there are no refraction rays", _T, "4.3.3", "", _glass),
-    Mistake("never-totally-reflected", "total reflection is left out: the ray leaves along the surface", _T, "4.3.3.1", "R3", _refracting),
+    Mistake("never-totally-reflected", "total reflection is left out: the ray leaves along the surface", _T, "4.3.3.1", "R3",
+            _refracting),
     Mistake("total-reflection-lost", "a totally reflected ray returns nothing", _T, "4.3.3.1", "R3", _refracting),
-    Mistake("total-reflection-weighs-r", "a totally reflected ray has the weight R instead of T", _T, "4.3.3.1", "R3", _refracting),
+    Mistake("total-reflection-weighs-r", "a totally reflected ray has the weight R instead of T", _T, "4.3.3.1", "R3",
+            _refracting),
     # recursion and background
     Mistake("one-generation-less", "recursion ends one generation early", _D, "4.3", "D1", _secondary),
     Mistake("one-generation-more", "recursion ends one generation late", _D, "4.3", "D1", _secondary),

@@ -20,7 +20,8 @@ MOST_PIXELS = 2**24
 LONGEST_SIDE = 16384
 MOST_BYTES = MOST_PIXELS * 64  # of a file, and of an array in it
 # what the readers of files raise where one is incomplete or none
-BROKEN = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, KeyError, SyntaxError, NotImplementedError, RuntimeError)
+BROKEN = (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, KeyError, SyntaxError, NotImplementedError,
+          RuntimeError)
 NAMES = ("color", "colour", "rgb", "image", "picture")  # of the colours in an NPZ, else its only array of that shape
 
 
@@ -69,7 +70,7 @@ def _interpreted(path: Path, array: np.ndarray, told: list[str]) -> FinishedPict
         raise InputError(f"{path}: has the shape {array.shape}; a picture is (height, width, 3), as RGB")
     _require_size(path, array.shape[0], array.shape[1])
     kind = array.dtype
-    if kind == bool or kind.kind not in "uif" or kind.itemsize > 8:
+    if kind.kind not in "uif" or kind.itemsize > 8:
         raise InputError(f"{path}: holds numbers of type {kind}; give 8- or 16-bit whole numbers, or floats")
     if array.shape[2] in (2, 4):
         alpha = array[..., -1]
@@ -104,9 +105,25 @@ def _require_size(path: Path, height: int, width: int) -> None:
                          f"longer than {LONGEST_SIDE}")
 
 
+def _require_whole(path: Path) -> None:
+    """Raises ValueError unless a PNG has all its chunks: of a truncated one the library silently shows what is there."""
+    size, kind = path.stat().st_size, b""
+    with path.open("rb") as file:
+        if file.read(8) != b"\x89PNG\r\n\x1a\n":
+            raise ValueError("not a PNG")
+        while kind != b"IEND":
+            head = file.read(8)
+            kind = head[4:]
+            if len(head) < 8 or file.tell() + int.from_bytes(head[:4], "big") + 4 > size:
+                raise ValueError("it is incomplete")
+            file.seek(int.from_bytes(head[:4], "big") + 4, 1)
+
+
 def _image(path: Path) -> tuple[np.ndarray, list[str]]:
     import OpenImageIO as oiio
 
+    if path.suffix.lower() == ".png":
+        _require_whole(path)
     file = oiio.ImageInput.open(str(path))
     if file is None:
         raise OSError(oiio.geterror().strip().split("\n")[0] or "not a picture")

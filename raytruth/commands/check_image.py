@@ -69,7 +69,8 @@ def _tell(arguments, scene, c) -> None:
     print(f"{sentence(arguments.file)}: {c.width} x {c.height}, held against {scene.name} {c.form}, {c.method}: {c.verdict}")
     for line in c.told:
         print(f"  {sentence(line)}")
-    print("  pixels that differ: " + "; ".join(f"{form}, {method}: {count:,} of {c.pixels:,}" for form, method, count in c.tried))
+    tried = (f"{form}, {method}: {count:,} of {c.pixels:,}" for form, method, count in c.tried)
+    print(f"  pixels that differ: {'; '.join(tried)}")
     if c.non_finite:
         print(f"  {c.non_finite:,} of {c.pixels:,} pixels are NaN or infinite")
     if c.differing:
