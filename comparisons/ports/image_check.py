@@ -41,9 +41,8 @@ class Form:
 def forms(scene: Scene) -> list[Form]:
     """The readings of `scene` that a right picture may follow."""
     found = [Form("as the scene says", scene)]
-    published = getattr(scene, "as_published", None)
-    if callable(published) and (other := published()) is not None and other.hash != scene.hash:
-        found.append(Form("as the figure was published", other))
+    if scene.as_published is not None and (other := scene.figure_form()).hash != scene.hash:
+        found.append(Form(f"as the figure was published ({', '.join(other.switches) or 'no switch'})", other))
     return found
 
 

@@ -28,6 +28,8 @@ Colour = tuple[Fraction, Fraction, Fraction]
 ShortText = Annotated[str, Field(max_length=200)]
 StepSize = Annotated[float, Field(ge=1e-6, le=1000)]
 Effect = Literal["shadow", "reflection", "refraction"]
+SWITCHES = {"E1": ("tracing", "refraction"), "F1": ("tracing", "lights"), "F2": ("tracing", "ambient"),
+            "F3": ("tracing", "shadows"), "F4": ("tracing", "range"), "F5": ("camera", "v_x", "v_y")}
 EFFECTS: tuple[Effect, ...] = ("shadow", "reflection", "refraction")
 
 
@@ -242,6 +244,13 @@ class Scene(Part):
     def casts_shadow(self, obj: Object) -> bool:
         """Whether `obj` dims the light that crosses it (decisions L3, F3)."""
         return obj.shadow and not (self.tracing.shadows == "opaque_only" and obj.material.transparency > 0)
+
+    @property
+    def switches(self) -> tuple[str, ...]:
+        """The decisions that the scene takes otherwise than the document's text."""
+        default = lambda part, field: type(part).model_fields[field].default
+        return tuple(id for id, (name, *fields) in SWITCHES.items()
+                     if any(getattr(part := getattr(self, name), field) != default(part, field) for field in fields))
 
     @property
     def hash(self) -> str:

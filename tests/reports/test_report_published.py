@@ -13,9 +13,6 @@ from reference_tracer.scene.model import Camera, Tracing
 from reports.pages.decisions import read_decisions
 from reports.pages.published import SWITCHES, Figure, read
 
-FIELDS = {"F1": "lights", "F2": "ambient", "F3": "shadows", "F4": "range"}
-
-
 def test_switches_are_decisions_and_keys_of_the_format():
     rows = {decision.id for decision in read_decisions()}
     for switch in SWITCHES:
@@ -30,9 +27,7 @@ def test_numbers_tell_of_the_switches_that_each_figure_has():
     assert set(numbers) == set(library.names())
     for name, found in numbers.items():
         form = library.scene(name).figure_form()
-        used = {id for id, field in FIELDS.items() if getattr(form.tracing, field) != Tracing.model_fields[field].default}
-        used |= {"F5"} if form.camera.v_x or form.camera.v_y else set()
-        assert {s["id"] for s in found["switches"]} == used, name
+        assert {s["id"] for s in found["switches"]} == set(form.switches), name
         off = 100 - found["figure_form"]["within_1"]
         assert sum(found["left"].values()) == pytest.approx(off / 100 * found["pixels"], abs=0.01 + 0.0001 / 100 * found["pixels"])
 
