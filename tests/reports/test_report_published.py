@@ -13,6 +13,7 @@ from reference_tracer.scene.model import Camera, Tracing
 from reports.pages.decisions import read_decisions
 from reports.pages.published import SWITCHES, Figure, read
 
+
 def test_switches_are_decisions_and_keys_of_the_format():
     rows = {decision.id for decision in read_decisions()}
     for switch in SWITCHES:
