@@ -33,8 +33,9 @@ def test_renders_perturbed_anew_stay_inside(case):
 
 def test_the_bound_is_not_vacuous(case):
     _, found = case
-    # rims and shadow edges take a larger share of a small picture; at 640 x 480 it is at least 0.95 everywhere
-    assert np.mean(found.bound < 1e-4) >= 0.94
+    # rims and shadow edges take a larger share of a small picture: of figure 17, which has most of them, 0.075 here,
+    # 0.066 at 256 x 192, 0.053 at 640 x 480
+    assert np.mean(found.bound < 1e-4) >= 0.92
 
 
 def test_what_rounding_cannot_do_is_not_excused(case):
