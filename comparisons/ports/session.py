@@ -57,7 +57,7 @@ class Port(Worker):
                 for word in command]  # it runs in a folder of its own
         super().__init__(here)
         self.memory, self.seq, self.declared = memory, 0, None
-        self.folder = Path(tempfile.mkdtemp(prefix="raytruth-port-"))
+        self.folder = Path(tempfile.mkdtemp(prefix="raytruth-checked-"))
         self.environment = {**os.environ, "TMPDIR": str(self.folder), "HOME": str(self.folder)}
         self.started_with = {"cwd": self.folder, "preexec_fn": _bounded}
         self._others: set[int] = set()

@@ -78,19 +78,17 @@ CPP = {
 }
 
 NUMPY = {
+    # along the ray it would show nothing: the sides are inherited, and the line is the same
     "epsilon offset": ("return trace(scene, point[which], unit(direction[which])",
-                       "return trace(scene, point[which] + 1e-3 * unit(direction[which]), unit(direction[which])",
-                       ("offset-along-the-ray", "offset-along-the-normal")),
+                       "return trace(scene, point[which] + 1e-3 * normal[which], unit(direction[which])",
+                       ("offset-along-the-normal", "offset-along-the-ray")),
     "no renormalisation": ("unit(direction[which])", "direction[which] * (1 + 1e-6)", ()),
-    "side from the sign": ("inside = inside_", "", ()),
     "one generation more": ("if depth == scene.max_depth:", "if depth == scene.max_depth + 1:", ("one-generation-more",)),
     "printed normal of the heart": ('if self.kind != "heart":', "if True:", ("heart-as-printed",)),
     "mean of the lights": ("illumination[lit] += more", "illumination[lit] += more / len(scene.lights)", ("mean-of-lights",)),
     "light from behind": ("lit = cos[:, 0] > 0", "cos = np.abs(cos)\n        lit = cos[:, 0] > 0", ("lit-from-behind",)),
     "own colour in full": ("(visible * (1 - obj.R) + reflected * obj.R)", "(visible + reflected * obj.R)", ("own-colour-in-full",)),
     "divided by n": (".mean(axis=1)", ".sum(axis=1) / n", ("divided-by-n",)),
-    "steps half as long": ("t = np.minimum(steps * scene.h, limit[:, None])", "t = np.minimum(steps * 0.5 * scene.h, limit[:, None])", ()),
     "blue first": ('"color": (color, "float64")', '"color": (color[:, ::-1], "float64")', ("blue-first",)),
     "never totally reflected": ("total = (sin1 > n2 / n1)[:, 0]", "total = (sin1 > np.inf)[:, 0]", ("never-totally-reflected",)),
 }
-del NUMPY["side from the sign"], NUMPY["steps half as long"]

@@ -47,7 +47,7 @@ def truths(tmp_path_factory):
 @pytest.fixture
 def nothing_left():
     """No process, and no folder."""
-    folders = lambda: set(Path(tempfile.gettempdir()).glob("raytruth-port-*"))
+    folders = lambda: set(Path(tempfile.gettempdir()).glob("raytruth-checked-*"))
     mine = lambda: {pid for pid, (parent, _, _) in _processes().items() if parent == os.getpid()}
     before, running = folders(), mine()
     yield

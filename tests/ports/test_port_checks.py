@@ -177,7 +177,7 @@ def test_a_classic_mistake_is_failed(kind, name, truths, tmp_path):
 
 
 @pytest.mark.parametrize("kind, name, case", [
-    ("NumPy", "mean of the lights", "scenes/figure-09-heart"), ("NumPy", "blue first", "scenes/effect-shading"),
+    ("NumPy", "blue first", "scenes/effect-shading"),
     ("C++", "y flipped", "pictures/landscape"), ("C++", "misprint", "scenes/effect-refraction"),
     ("C++", "no shadows", "scenes/effect-shadow"), ("C++", "fp32 where fp64 is claimed", "scenes/effect-shading"),
     ("C++", "8-bit rounding", "scenes/effect-shading")])
