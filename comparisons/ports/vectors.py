@@ -162,7 +162,8 @@ def _chosen(name: str, obj: dict):
         yield (x0, y0, z0), (0.0, 1.0, 0.0), ("axis", "inside")
         # from 0.05 on, so that the middle of each chord lies between two samples
         for chord in (0.3, 0.09, 0.04, 0.01):
-            yield *along_z(x0 + math.sqrt(r * r - chord * chord / 4), y0, 0.05), ("grazing", *(("thin",) if chord < 0.1 else ()))
+            x = x0 + math.sqrt(r * r - chord * chord / 4)
+            yield *along_z(x, y0, 0.05), ("grazing", *(("thin",) if chord < 0.1 else ()))
         yield *along_z(x0, y0, z0 - r - 29.9), ("range",)
         yield *along_z(x0, y0, z0 - r - 30.2), ("range",)
     elif name == "plane":
