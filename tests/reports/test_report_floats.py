@@ -16,8 +16,10 @@ from reports.figures.planes import read
 
 def unpacked(path, base=None) -> dict[str, np.ndarray]:
     """What the docstring of `floats` says, backwards."""
-    key, text = re.fullmatch(r"raytruth\.planes\((\"(?:[^\"\\\\]|\\\\.)*\"),(.*)\);\n", path.read_text(encoding="utf-8")).groups()
-    found = {"key": json.loads(key), **json.loads(text)}
+    text = path.read_text(encoding="utf-8")
+    assert text.startswith("raytruth.planes(") and text.endswith(");\n")
+    key, content = json.loads(f"[{text[len('raytruth.planes('):-3]}]")
+    found = {"key": key, **content}
     for name, plane in found["planes"].items():
         kind, raw = np.dtype("<" + plane["type"]), zlib.decompress(base64.b64decode(plane["data"]))
         bits = np.frombuffer(raw, np.uint8).reshape(kind.itemsize, -1).T.copy()
