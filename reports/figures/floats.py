@@ -4,7 +4,7 @@ A file is `raytruth.planes(key, {...})`. A plane is an array in row order, littl
 are shuffled (the first byte of every number, then the second, ...), deflated and written in base64. Where that is shorter,
 the bits are first combined by exclusive or with those of the same plane of the scene's truth, `base`, brought to the same
 type, with 0 in place of what is not a number: pictures that agree to 12 digits then differ in few bytes. Normals are
-rounded to single precision; everything else is exact.
+rounded to single precision, limits up to eight bits of it; everything else is exact.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def write(key: str, planes: Planes, base: tuple[str, Planes] | None, limit: np.n
     """Writes the planes of the run `key`. `base` is the truth that they are packed against, under its key; `limit` (h, w)
     is how far a pixel's colour may be from it."""
     height, width = planes.shape
-    arrays = _arrays(planes) | ({"limit": np.asarray(limit, np.float32)} if limit is not None else {})
+    arrays = _arrays(planes) | ({"limit": _rounded_up(limit)} if limit is not None else {})
     known = _arrays(base[1]) if base and base[1].shape == planes.shape else {}
     packed = {name: _packed(array, known.get(name)) for name, array in arrays.items()}
     against = base[0] if base and any(plane["xor"] for plane in packed.values()) else None
@@ -62,6 +62,12 @@ def _native(array: np.ndarray) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         single = array.astype(np.float32)
         return single if np.array_equal(single.astype(np.float64), array, equal_nan=True) else array.astype(np.float64)
+
+
+def _rounded_up(limit: np.ndarray) -> np.ndarray:
+    """Numbers >= 0 in single precision with the first eight bits of their mantissas: half the room, 0.4 % more at most."""
+    bits = np.ascontiguousarray(limit, np.float32).view(np.uint32)
+    return np.where(np.isfinite(limit), (bits + 0x7FFF) & 0xFFFF8000, bits).astype(np.uint32).view(np.float32)
 
 
 def _packed(array: np.ndarray, base: np.ndarray | None) -> dict:

@@ -67,7 +67,9 @@ def test_single_precision_is_kept_only_where_it_holds_every_value(sides, tmp_pat
 
 def test_limits_go_along_and_names_are_texts(sides, tmp_path):
     limit = np.full(sides["good"].shape, 0.25)
+    limit[0, 0], limit[0, 1] = 1 / 3, np.inf
     told = floats.write(HOSTILE, sides["good"], None, limit, tmp_path)
     found = unpacked(tmp_path / told.file)
-    assert told.has_limit and (found["limit"] == 0.25).all() and found["key"] == HOSTILE
+    assert told.has_limit and (found["limit"][2:] == 0.25).all() and found["key"] == HOSTILE
+    assert np.float32(1 / 3) < found["limit"][0] < 1 / 3 * (1 + 2**-8) and found["limit"][1] == np.inf  # up, and by little
     assert re.fullmatch(r"planes/[a-z0-9-]+\.js", told.file)
