@@ -1,6 +1,5 @@
 """The numbers beside a page: unpacked by the rule that the file states, they are the picture's to the last bit."""
 
-import base64
 import json
 import re
 import zlib
@@ -14,14 +13,19 @@ from reports.figures import floats
 from reports.figures.planes import read
 
 
+def unpacked_characters(plane: dict) -> bytes:
+    bits = "".join(f"{ord(character) - 0x4000:015b}" for character in plane["data"])
+    return int(bits[:8 * plane["bytes"]], 2).to_bytes(plane["bytes"], "big")
+
+
 def unpacked(path, base=None) -> dict[str, np.ndarray]:
     """What the docstring of `floats` says, backwards."""
-    text = path.read_text(encoding="utf-8")
+    text = path.read_text(encoding="utf-16")
     assert text.startswith("raytruth.planes(") and text.endswith(");\n")
     key, content = json.loads(f"[{text[len('raytruth.planes('):-3]}]")
     found = {"key": key, **content}
     for name, plane in found["planes"].items():
-        kind, raw = np.dtype("<" + plane["type"]), zlib.decompress(base64.b64decode(plane["data"]))
+        kind, raw = np.dtype("<" + plane["type"]), zlib.decompress(unpacked_characters(plane))
         bits = np.frombuffer(raw, np.uint8).reshape(kind.itemsize, -1).T.copy()
         if plane["xor"]:
             bits ^= np.where(np.isnan(base[name]), 0, base[name]).astype(kind).reshape(-1, 1).view(np.uint8)
