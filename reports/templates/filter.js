@@ -25,7 +25,7 @@
       scene.item.hidden = !fits || shown > MOST;
       comparisons += fits ? kept : 0;
     }
-    find("matches").textContent = `${comparisons} comparisons on ${shown} scenes${shown > MOST ? `, the first ${MOST} shown` : ""}`;
+    find("matches").textContent = `${comparisons} ${comparisons === 1 ? "comparison" : "comparisons"} on ${shown} ${shown === 1 ? "scene" : "scenes"}${shown > MOST ? `, the first ${MOST} shown` : ""}`;
   }
 
   form.hidden = false;

@@ -354,7 +354,7 @@ def test_downloads_hold_the_numbers(visit, pictures, tmp_path):
 def test_the_first_page_filters(visit):
     page = visit("index.html")
     page.select_option("[data-part=verdict]", "differs")
-    assert page.inner_text("[data-part=matches]") == "1 comparisons on 1 scenes"
+    assert page.inner_text("[data-part=matches]") == "1 comparison on 1 scene"
     page.select_option("[data-part=verdict]", "")
     page.fill("[data-part=text]", "no such scene")
     assert page.inner_text("[data-part=matches]") == "0 comparisons on 0 scenes"
