@@ -119,7 +119,7 @@ def verdict_counts(found: list[Case]) -> dict[str, int]:
 
 @dataclass(frozen=True)
 class Absence:
-    """Why a renderer has no picture, with all scenes that this holds for."""
+    """Why a renderer has no picture, with all scenes that this holds for, each once."""
 
     renderer: str
     state: State
@@ -133,7 +133,8 @@ def absences(rows: Iterable[tuple[str, str, str, str, str]]) -> list[Absence]:
     order = list(STATES)
     key = lambda row: (order.index(row[1]), row[0], row[2])
     found = [(key, list(group)) for key, group in groupby(sorted(rows, key=key), key=key)]
-    return [Absence(renderer, STATES[order[state]], reason, [row[3] for row in group], [row[4] for row in group])
+    return [Absence(renderer, STATES[order[state]], reason, list(dict.fromkeys(row[3] for row in group)),
+                    [row[4] for row in group])
             for (state, renderer, reason), group in found]
 
 

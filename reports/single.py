@@ -30,7 +30,8 @@ def single_file(report: Path, results: Results, scene: str, path: Path) -> Path:
     text = re.sub(r'<script src="[^"]+" defer></script>\n?', "", text)
     # after what they work on, as deferred ones would run; the numbers before the viewer that may ask for them at once
     scripts[-1:-1] = PLANES.findall(text)
-    inline = "".join(f"<script>\n{_text(beside(link))}</script>\n" for link in scripts)
+    inline = "".join(f"<script>\n{_text(beside(link), 'utf-16' if '/planes/' in link else 'utf-8')}</script>\n"
+                     for link in scripts)
     text = text.replace("</body>", f"{inline}</body>")
     text = re.sub(r'<img src="([^"]+)"', lambda m: f'<img src="{_data(beside(m[1]))}"', text)
     text = re.sub(r'<a ([^>]*?)href="(?!#)[^"]*"', r"<a \1", text)  # the other pages are not there
@@ -39,8 +40,8 @@ def single_file(report: Path, results: Results, scene: str, path: Path) -> Path:
     return path
 
 
-def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8").replace("</script", "<\\/script")
+def _text(path: Path, encoding: str = "utf-8") -> str:
+    return path.read_text(encoding=encoding).replace("</script", "<\\/script")
 
 
 def _data(path: Path) -> str:

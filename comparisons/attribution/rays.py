@@ -56,7 +56,7 @@ def of_planes(picture: Picture, row: int, col: int, title: str) -> History:
     return History(renderer=title, rays=[Ray(
         generation=0, kind="camera", object=name_of(picture.scene, int(picture.index[row, col])) if hit else None,
         t=finite(picture.t), point=finite(picture.position), normal=finite(picture.normal), color=None)],
-        note="it tells no more than the first hit and the pixel's colour")
+        note="no more is told than the first hit and the pixel's colour")
 
 
 def name_of(scene: Scene, index: int) -> str:

@@ -50,6 +50,7 @@ class Table:
 class Shown:
     document: Matrix
     overall: Table
+    worst: Table  # the same by the worst pixel alone
     groups: list[tuple[str, list[Table]]]
     absent: list[Absence]
 
@@ -87,7 +88,7 @@ def shown(document: Matrix) -> Shown:
               ("One effect each", [t for t in tables if t.place.effect])]
     titles = {place.name: place.title for place in document.places}
     absent = absences((a.renderer, a.state, a.reason, titles.get(a.scene, a.scene), "") for a in document.absent)
-    return Shown(document, _overall(document), [group for group in groups if group[1]], absent)
+    return Shown(document, *(table for _, table in both(document)), [group for group in groups if group[1]], absent)
 
 
 def both(document: Matrix) -> list[tuple[str, Table]]:

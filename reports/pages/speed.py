@@ -83,8 +83,11 @@ class Speed:
 
     @property
     def headline(self) -> str:
-        """The first finding that there is, and of which subject."""
-        return next((f"{view.subject.title}: {view.picked}" for view in self.subjects if view.picked), "")
+        """The finding of a single subject; of several, none stands for the others."""
+        picked = [view for view in self.subjects if view.picked]
+        if len(picked) == 1:
+            return f"{picked[0].subject.title}: {picked[0].picked}"
+        return f"{count(len(picked), 'subject')}, each with a finding of its own" if picked else ""
 
     @property
     def sweeps(self) -> list[str]:

@@ -2,6 +2,7 @@
 "use strict";
 
 {
+  const MOST = 120; // scenes shown at a time: a browser takes seconds to lay out thousands
   const form = document.querySelector('[data-part="filter"]');
   const find = (name) => form.querySelector(`[data-part="${name}"]`);
   const scenes = [...document.querySelectorAll(".gallery > li")].map((item) => ({
@@ -20,11 +21,11 @@
         kept += fits;
       }
       const fits = scene.text.includes(text.toLowerCase()) && (kept > 0 || !(verdict || renderer));
-      scene.item.hidden = !fits;
       shown += fits;
+      scene.item.hidden = !fits || shown > MOST;
       comparisons += fits ? kept : 0;
     }
-    find("matches").textContent = `${comparisons} comparisons on ${shown} scenes`;
+    find("matches").textContent = `${comparisons} ${comparisons === 1 ? "comparison" : "comparisons"} on ${shown} ${shown === 1 ? "scene" : "scenes"}${shown > MOST ? `, the first ${MOST} shown` : ""}`;
   }
 
   form.hidden = false;

@@ -43,8 +43,11 @@ const raytruth = {};
   }
 
   async function unpack(plane, base) {
-    const text = atob(plane.data), packed = new Uint8Array(text.length);
-    for (let i = 0; i < text.length; i++) packed[i] = text.charCodeAt(i);
+    const packed = new Uint8Array(plane.bytes);
+    for (let i = 0, at = 0, held = 0, bits = 0; i < plane.data.length; i++) { // 15 bits a character
+      held = ((held & ((1 << bits) - 1)) << 15) | (plane.data.charCodeAt(i) - 0x4000);
+      for (bits += 15; bits >= 8 && at < packed.length; at++) packed[at] = (held >> (bits -= 8)) & 255;
+    }
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
     const shuffled = new Uint8Array(await new Response(stream).arrayBuffer());
     const Type = TYPES[plane.type], wide = Type.BYTES_PER_ELEMENT, count = shuffled.length / wide;

@@ -212,7 +212,7 @@
     const side = { a: "A", b: "B", split: "A on the left, B on the right", error: "The difference B − A" }[state.view];
     find("caption").textContent = state.view === "error" ? state.plane === "index" ? "Cyan: another object, or a hit on one side only"
       : `${side}, ${chosen === "limit" ? "in units of the pixel’s limit" : `${chosen}, ${chosen === "relative" ? "in parts of A" : raytruth.UNITS[state.plane]}`}; cyan: another object, blue: undecided, white: not finite`
-      : `${side}: ${ofId(state.view === "b" ? state.b : state.a).title}. ${what}`;
+      : `${side}${state.view === "split" ? "" : `: ${ofId(state[state.view]).title}`}. ${what}`;
     if (!error) return;
     const ends = find("legend-ends").children, pen = legend.getContext("2d"), signed = chosen === "signed", [low, high] = raytruth.decades(chosen);
     for (let x = 0; x < legend.width; x++) {

@@ -19,6 +19,7 @@ def asked(tmp_path_factory):
     for name, picture in pictures.items():
         save_npz(picture, folder / f"{name}.npz")
     return {"scene": scene.model_dump_json(by_alias=True), "renderers": list(pictures), "places": PLACES,
+            "thorough": True,
             "planes": [str(folder / f"{name}.npz") for name in pictures]}, list(pictures.values())
 
 
@@ -48,3 +49,13 @@ def test_the_document_with_histories_reads_back_as_it_was_written(asked):
     found = followed.Followed.model_validate(followed.answer(asked[0]))
     again = followed.Followed.model_validate_json(found.model_dump_json())
     assert again.model_dump_json() == found.model_dump_json() and len(again.pixels) == 3
+
+
+def test_where_mitsuba_agrees_its_picture_tells_the_first_hit(asked):
+    request, pictures = asked
+    found = followed.Followed.model_validate(followed.answer(
+        {**request, "renderers": ["exact", "mitsuba-native"], "thorough": False}))
+    for pixel in found.pixels:
+        ray, = pixel.b.rays
+        assert ray.t == pytest.approx(pictures[1].t[pixel.row, pixel.col]) and "no more is told" in pixel.b.note
+        assert total(pixel.a) == pytest.approx(pixel.color_a, abs=1e-12)  # the reference is followed all the same

@@ -135,9 +135,15 @@ def test_interior_is_what_its_name_says(planes):
     assert 0.5 < inner.mean() < 1
 
 
-def test_worst_pixels_come_largest_first_and_nan_before_all():
-    error = np.array([[0.0, 0.25, np.nan], [0.5, 0.0, 0.125]])
-    assert [(w["row"], w["col"]) for w in metrics.worst_pixels(error)] == [(0, 2), (1, 0), (0, 1), (1, 2)]
+def test_worst_pixels_come_largest_first_and_nan_before_all_one_a_cluster():
+    error = np.zeros((40, 40))
+    error[0, 13], error[0, 0], error[39, 39], error[20, 13] = np.nan, 0.5, 0.25, 0.75
+    error[0, 25], error[12, 1], error[20, 12], error[39, 27] = 9.0, 9.0, 0.7, 0.2  # within 12 of a worse one in both directions
+    assert [(w["row"], w["col"]) for w in metrics.worst_pixels(error)] == [(0, 13), (20, 13), (0, 0), (39, 39)]
+    error[39, 26] = 0.2  # 13 columns away: a cluster of its own
+    assert [(w["row"], w["col"]) for w in metrics.worst_pixels(error)][-1] == (39, 26)
+    assert len(metrics.worst_pixels(np.ones((200, 200)))) == metrics.WORST
+    assert metrics.worst_pixels(np.zeros((3, 3))) == []
 
 
 def test_scores_of_known_pictures():

@@ -104,7 +104,8 @@ def test_a_crash_costs_its_own_case_and_the_rest_is_kept(tmp_path, monkeypatch):
     asked = Asked()
     options = dataclasses.replace(options, progress=asked)
     results = suite.compare([SCENE], options)
-    assert sorted(asked.labels) == ["exact and paper: ball", "paper and mitsuba-native: ball", "paper: ball"]
+    assert sorted(asked.labels) == ["exact and paper: ball", "paper and mitsuba-native: ball", "paper: ball",
+                                    "rays: ball, paper"]
     assert all(c.verdict != "not compared" for c in results.comparisons)
 
     # and an unchanged suite makes nothing and leaves the document alone

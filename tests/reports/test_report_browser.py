@@ -180,7 +180,8 @@ def test_nothing_is_loaded_before_it_is_asked_for_and_then_one_file_a_side(visit
     assert f"{size / 1e6:.{2 if size < 1e5 else 1}f} MB" in page.inner_text("[data-part=open]")
     page.click("[data-part=open]")
     page.wait_for_selector("#viewer[data-ready]")
-    assert sorted(url.rpartition("/")[2] for url in asked) == ["bad.js", "good.js"] and page.complaints == []
+    scripts = sorted(url.rpartition("/")[2] for url in asked if url.endswith(".js"))
+    assert scripts == ["bad.js", "good.js"] and page.complaints == []
 
 
 @pytest.mark.parametrize("place", [*ERROR_AT, NAN_AT, UNDECIDED_AT, (0, 0), (HEIGHT - 1, WIDTH - 1)])
@@ -353,7 +354,7 @@ def test_downloads_hold_the_numbers(visit, pictures, tmp_path):
 def test_the_first_page_filters(visit):
     page = visit("index.html")
     page.select_option("[data-part=verdict]", "differs")
-    assert page.inner_text("[data-part=matches]") == "1 comparisons on 1 scenes"
+    assert page.inner_text("[data-part=matches]") == "1 comparison on 1 scene"
     page.select_option("[data-part=verdict]", "")
     page.fill("[data-part=text]", "no such scene")
     assert page.inner_text("[data-part=matches]") == "0 comparisons on 0 scenes"
@@ -396,10 +397,16 @@ def test_ten_thousand_comparisons_are_filtered_within_a_second(browser, tmp_path
     (tmp_path / "index.html").write_text(rendered(templates, pages[0], report, pages), encoding="utf-8")
     assert (tmp_path / "index.html").stat().st_size <= 5e6
     page = browser.new_page()
+    session = page.context.new_cdp_session(page)
+    session.send("Performance.enable", {"timeDomain": "threadTicks"})  # of this page's thread: others may keep the machine busy
+    spent = lambda: next(m["value"] for m in session.send("Performance.getMetrics")["metrics"] if m["name"] == "TaskDuration")
     page.goto(f"file://{tmp_path}/index.html")
-    seconds = page.evaluate("""() => { const field = document.querySelector("[data-part=text]"), start = performance.now();
-        field.value = "scene 19"; field.dispatchEvent(new Event("input", { bubbles: true }));
-        document.body.offsetHeight; return (performance.now() - start) / 1000; }""")
-    print(f"filtered 10 000 comparisons in {seconds:.3f} s")
-    assert page.inner_text("[data-part=matches]") == "555 comparisons on 111 scenes" and seconds <= 1
+    for text, told in (("scene 19", "555 comparisons on 111 scenes"), ("", "10000 comparisons on 2000 scenes, the first 120 shown")):
+        page.evaluate("() => document.body.offsetHeight")
+        before = spent()
+        page.fill("[data-part=text]", text)
+        page.evaluate("() => document.body.offsetHeight")
+        seconds = spent() - before
+        print(f"filtered 10 000 comparisons in {seconds:.3f} s of processor time")
+        assert page.inner_text("[data-part=matches]") == told and seconds <= 1
     page.close()

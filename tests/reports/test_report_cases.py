@@ -46,7 +46,8 @@ def test_counts_equal_the_documents_and_failures_stay_in_the_denominator(results
 
 
 def test_runs_without_a_picture_are_gathered_by_reason(results):
-    more = [make_run(key, state="missing", message="install it").model_copy(update={"title": "R"}) for key in ("x", "y")]
+    more = [make_run(key, state="missing", message="install it").model_copy(update={"title": "R", "scene": scene})
+            for key, scene in (("x", "figure-05-sphere"), ("y", "another"), ("z", "another"))]  # one of two settings: once
     found = failed_runs(results.model_copy(update={"runs": results.runs + more}))
     assert [(a.renderer, a.state.word, len(a.scenes)) for a in found] == [
         ("Renderer crash", "Crashed", 1), ("R", "Missing", 2), ("Renderer refused", "Refused", 1)]

@@ -1,6 +1,5 @@
 """The numbers beside a page: unpacked by the rule that the file states, they are the picture's to the last bit."""
 
-import base64
 import json
 import re
 import zlib
@@ -14,12 +13,19 @@ from reports.figures import floats
 from reports.figures.planes import read
 
 
+def unpacked_characters(plane: dict) -> bytes:
+    bits = "".join(f"{ord(character) - 0x4000:015b}" for character in plane["data"])
+    return int(bits[:8 * plane["bytes"]], 2).to_bytes(plane["bytes"], "big")
+
+
 def unpacked(path, base=None) -> dict[str, np.ndarray]:
     """What the docstring of `floats` says, backwards."""
-    key, text = re.fullmatch(r"raytruth\.planes\((\"(?:[^\"\\\\]|\\\\.)*\"),(.*)\);\n", path.read_text(encoding="utf-8")).groups()
-    found = {"key": json.loads(key), **json.loads(text)}
+    text = path.read_text(encoding="utf-16")
+    assert text.startswith("raytruth.planes(") and text.endswith(");\n")
+    key, content = json.loads(f"[{text[len('raytruth.planes('):-3]}]")
+    found = {"key": key, **content}
     for name, plane in found["planes"].items():
-        kind, raw = np.dtype("<" + plane["type"]), zlib.decompress(base64.b64decode(plane["data"]))
+        kind, raw = np.dtype("<" + plane["type"]), zlib.decompress(unpacked_characters(plane))
         bits = np.frombuffer(raw, np.uint8).reshape(kind.itemsize, -1).T.copy()
         if plane["xor"]:
             bits ^= np.where(np.isnan(base[name]), 0, base[name]).astype(kind).reshape(-1, 1).view(np.uint8)
@@ -65,7 +71,9 @@ def test_single_precision_is_kept_only_where_it_holds_every_value(sides, tmp_pat
 
 def test_limits_go_along_and_names_are_texts(sides, tmp_path):
     limit = np.full(sides["good"].shape, 0.25)
+    limit[0, 0], limit[0, 1] = 1 / 3, np.inf
     told = floats.write(HOSTILE, sides["good"], None, limit, tmp_path)
     found = unpacked(tmp_path / told.file)
-    assert told.has_limit and (found["limit"] == 0.25).all() and found["key"] == HOSTILE
+    assert told.has_limit and (found["limit"][2:] == 0.25).all() and found["key"] == HOSTILE
+    assert np.float32(1 / 3) < found["limit"][0] < 1 / 3 * (1 + 2**-8) and found["limit"][1] == np.inf  # up, and by little
     assert re.fullmatch(r"planes/[a-z0-9-]+\.js", told.file)
