@@ -1,3 +1,3 @@
 """What runs renderers against each other and measures how far their pictures agree."""
 
-import reference_tracer  # noqa: F401  points Dr.Jit at its LLVM before any module here imports drjit
+from raytruth import reference_tracer  # noqa: F401  points Dr.Jit at its LLVM before any module here imports drjit

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.model import Scene
 
 from .results import Effect, Run
 from .runs import Request

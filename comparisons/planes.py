@@ -6,9 +6,8 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.image_files import load_npz
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.image_files import load_npz
 
 KINDS = {"color": ("f", (3,)), "t": ("f", ()), "position": ("f", (3,)), "normal": ("f", (3,)), "index": ("iu", ()),
          "depth": ("iu", ()), "status": ("iu", ())}  # kinds of numbers, and their shape at a pixel

@@ -10,10 +10,9 @@ from functools import cached_property, partial
 from pathlib import Path
 
 from pydantic import ValidationError
-
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.image_files import save_npz
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.image_files import save_npz
 
 from . import renderers
 from .execution import store
@@ -75,7 +74,7 @@ class RunStore(store.Store):
     def make_all(self, requests: Sequence[Request], pool: Pool, limit: float) -> dict[str, Run]:
         """All runs by key. Whatever goes wrong is told by a run's state; nothing is raised for it. `limit`: seconds of one."""
         by_key = {r.key: r for r in requests}
-        tasks = [Task(key, f"{r.renderer}: {r.scene.name}", "comparisons.runs:make", {
+        tasks = [Task(key, f"{r.renderer}: {r.scene.name}", "raytruth.comparisons.runs:make", {
             "renderer": r.renderer, "settings": r.settings, "scene": r.scene.model_dump_json(by_alias=True),
             "planes": str(self.file(key))}, limit, r.process) for key, r in by_key.items()]
         return complete(tasks, self, pool, Run.model_validate_json, partial(self._settled, by_key), arrays=True)

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.model import Scene
 
 from . import renderers
 from .results import Run, Series

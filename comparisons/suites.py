@@ -8,8 +8,7 @@ from datetime import UTC, datetime
 from typing import TypeVar
 
 from pydantic import ValidationError
-
-from reference_tracer.errors import InputError
+from raytruth.reference_tracer.errors import InputError
 
 from .document import Record
 from .execution.machine import machine

@@ -1,3 +1,3 @@
 """From scenes of implicit surfaces to what other renderers take: meshes, and scenes of those renderers."""
 
-import reference_tracer  # noqa: F401  points Dr.Jit at its LLVM before any module here imports drjit
+from raytruth import reference_tracer  # noqa: F401  points Dr.Jit at its LLVM before any module here imports drjit

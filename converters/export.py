@@ -14,10 +14,10 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from reference_tracer.errors import InputError
-from reference_tracer.scene.load import printable
-from reference_tracer.scene.model import Scene
-from reference_tracer.writing import atomically, require_file
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.load import printable
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.writing import atomically, require_file
 
 from .mesh import Mesh, mesh_object
 from .mesh.files import SUFFIXES, as_trimesh, bound, encoded, rounded_up

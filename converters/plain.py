@@ -19,8 +19,8 @@ SCENE -o FILE.txt` writes one.
 
 from __future__ import annotations
 
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.model import EFFECTS, Object, Scene, Tracing
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.scene.model import EFFECTS, Object, Scene, Tracing
 
 FIGURES = ("lights", "ambient", "shadows", "range")
 KINDS = ("plane", "sphere", "ellipsoid", "torus", "paraboloid", "heart")

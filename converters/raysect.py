@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-
-from reference_tracer.errors import MissingError, UnsupportedError
-from reference_tracer.scene.model import Object, Scene
-from reference_tracer.scene.placement import corners, reach_in_frame, rotation_matrix
-from reference_tracer.surfaces import Clipped, Ellipsoid, Paraboloid, Plane, Sphere, Surface, Torus
+from raytruth.reference_tracer.errors import MissingError, UnsupportedError
+from raytruth.reference_tracer.scene.model import Object, Scene
+from raytruth.reference_tracer.scene.placement import corners, reach_in_frame, rotation_matrix
+from raytruth.reference_tracer.surfaces import Clipped, Ellipsoid, Paraboloid, Plane, Sphere, Surface, Torus
 
 from .crossings import Hit, Start
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from pydantic import BaseModel
-
-from reference_tracer.scene import model
+from raytruth.reference_tracer.scene import model
 
 MARKER = "<!-- generated: keys -->"
 PARTS = (model.Scene, model.Camera, model.Object, model.Material, model.Rotation, model.Light, model.Tracing)

@@ -17,20 +17,25 @@ Whatever is wrong with what they are given is an InputError of one sentence.
 """
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+_HERE = Path(__file__).parent
+if not (_HERE / "reference_tracer").is_dir():  # a checkout, where the packages stand beside this one; a wheel has them inside
+    __path__.append(str(_HERE.parent))
+
 if TYPE_CHECKING:
-    from comparisons.renderers import render as render_with
-    from comparisons.verdicts.pictures import Compared, compare
-    from converters.export import Exported, export, mesh
-    from reference_tracer.errors import InputError
-    from reference_tracer.scene.library import find as find_scene
-    from reference_tracer.scene.library import names as scene_names
-    from reference_tracer.scene.load import load_scene
-    from reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Scene, Tracing
-    from reference_tracer.surfaces import Bounds, Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
-    from reference_tracer.tracer.image_files import save
-    from reference_tracer.tracer.render import Picture, render
+    from raytruth.comparisons.renderers import render as render_with
+    from raytruth.comparisons.verdicts.pictures import Compared, compare
+    from raytruth.converters.export import Exported, export, mesh
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.scene.library import find as find_scene
+    from raytruth.reference_tracer.scene.library import names as scene_names
+    from raytruth.reference_tracer.scene.load import load_scene
+    from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Scene, Tracing
+    from raytruth.reference_tracer.surfaces import Bounds, Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+    from raytruth.reference_tracer.tracer.image_files import save
+    from raytruth.reference_tracer.tracer.render import Picture, render
 
 _SURFACES = ("Bounds", "Ellipsoid", "Expression", "Heart", "Paraboloid", "Plane", "Sphere", "Torus")
 _PARTS = ("Camera", "Light", "Material", "Object", "Rotation", "Scene", "Tracing")
@@ -54,7 +59,7 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME:
         raise AttributeError(f"module 'raytruth' has no attribute {name!r}")
     module, own = _HOME[name]
-    return getattr(import_module(module), own)
+    return getattr(import_module(f"raytruth.{module}"), own)
 
 
 def __dir__() -> list[str]:

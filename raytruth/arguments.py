@@ -73,8 +73,8 @@ def resized(scene, size: tuple[int, int] | None):
     """`scene` at the size that --size asks for. Raises InputError."""
     from pydantic import ValidationError
 
-    from reference_tracer.errors import InputError
-    from reference_tracer.scene.load import one_line
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.scene.load import one_line
 
     try:
         return scene.resized(*size) if size else scene
@@ -84,8 +84,8 @@ def resized(scene, size: tuple[int, int] | None):
 
 def require_file(path: Path | None, suffix: str) -> None:
     """Raises InputError unless a file of that suffix can be written to `path`: before the work, not after it."""
-    from reference_tracer.errors import InputError
-    from reference_tracer.writing import writable
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.writing import writable
 
     if path is None:
         return
@@ -97,8 +97,8 @@ def require_file(path: Path | None, suffix: str) -> None:
 
 def require_folder(path: Path | None) -> None:
     """Raises InputError unless files can be written into the folder `path`, which may have to be made."""
-    from reference_tracer.errors import InputError
-    from reference_tracer.writing import writable
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.writing import writable
 
     if path is None:
         return

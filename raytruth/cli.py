@@ -46,7 +46,7 @@ def main(argv: list[str] | None = None) -> int:
     if wrong := [a for a in (sys.argv[1:] if argv is None else argv) if a.startswith("--") and a.endswith("=--")]:
         parser.error(f"{wrong[0]}: is an option without a value")  # argparse makes a list of what is after the sign
     arguments = parser.parse_args(argv)
-    from reference_tracer.errors import InputError
+    from raytruth.reference_tracer.errors import InputError
 
     goodbye = "raytruth: interrupted" + ("; finished runs are kept" if arguments.command in KEEPING else "")
     with _interruptible(goodbye):

@@ -11,8 +11,8 @@ UNTOLD = 10.0  # seconds that compiling may take at most without being told
 @contextmanager
 def compile_time_announced(scene, bar) -> Iterator[None]:
     """Says, before they are compiled, how long kernels of `scene` will take that may take long."""
-    from reference_tracer.tracer.compilation import heard
-    from reference_tracer.tracer.estimate import duration
+    from raytruth.reference_tracer.tracer.compilation import heard
+    from raytruth.reference_tracer.tracer.estimate import duration
 
     def tell(work) -> None:
         low, high = work.seconds

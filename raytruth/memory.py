@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from reference_tracer.errors import InputError
+from raytruth.reference_tracer.errors import InputError
 
 GIB = 1 << 30
 UNASKED = 2.0  # GiB that a command may take without being allowed more
@@ -22,7 +22,7 @@ def require(scene, planes: Sequence[str], beside: int, most: float | None) -> No
 
     `beside` are the bytes that the command takes for a pixel beside the picture's planes.
     """
-    from reference_tracer.tracer.estimate import available, memory, size_of
+    from raytruth.reference_tracer.tracer.estimate import available, memory, size_of
 
     needed, there = memory(scene, planes, beside), available()
     limit = min(UNASKED * GIB, there) if most is None else most * GIB

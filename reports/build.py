@@ -11,12 +11,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-
-from comparisons import results as comparison
-from comparisons.execution.machine import packages, source_hash
-from comparisons.results import Results
-from reference_tracer.errors import InputError
-from reference_tracer.tracer.image_files import write_8_bit
+from raytruth.comparisons import results as comparison
+from raytruth.comparisons.execution.machine import packages, source_hash
+from raytruth.comparisons.results import Results
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.tracer.image_files import write_8_bit
 
 from .cases import is_lower_bound, scene_page
 from .figures import pictures, scale
@@ -100,7 +99,7 @@ def _write(report: Report, results_folder: Path, folder: Path, progress: Callabl
 
 
 def environment() -> Environment:
-    templates = Environment(loader=PackageLoader("reports"), autoescape=True, undefined=StrictUndefined,
+    templates = Environment(loader=PackageLoader("raytruth.reports"), autoescape=True, undefined=StrictUndefined,
                             trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
     templates.filters.update(parts=parts, powers=powers, page_of=scene_page, prose=prose, **{
         name: getattr(words, name) for name in ("metric", "full_stop", "sentence", "capital", "slug")})

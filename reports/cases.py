@@ -8,9 +8,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import groupby
 
-from comparisons.attribution.document import WorstPixel
-from comparisons.results import Comparison, Effect, Gate, Results, Run, SceneRecord
-from reference_tracer.errors import InputError
+from raytruth.comparisons.attribution.document import WorstPixel
+from raytruth.comparisons.results import Comparison, Effect, Gate, Results, Run, SceneRecord
+from raytruth.reference_tracer.errors import InputError
 
 from .text.words import STATES, VERDICTS, State, slug
 

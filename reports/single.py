@@ -7,9 +7,9 @@ import re
 from html import unescape
 from pathlib import Path
 
-from comparisons.execution.store import atomically
-from comparisons.results import Results
-from reference_tracer.errors import InputError
+from raytruth.comparisons.execution.store import atomically
+from raytruth.comparisons.results import Results
+from raytruth.reference_tracer.errors import InputError
 
 from .cases import scene_page
 

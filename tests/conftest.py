@@ -2,7 +2,7 @@
 
 import pytest
 
-import reference_tracer  # noqa: F401  chooses the LLVM library
+from raytruth import reference_tracer  # noqa: F401  chooses the LLVM library
 
 # files of tests that take more than some seconds together (`pytest --durations=0`): `make check` leaves them out
 SLOW = {
@@ -28,7 +28,7 @@ def pytest_collection_modifyitems(items):
 @pytest.fixture
 def as_written(monkeypatch):
     """Formulas are traced as they are written, not by their odd parts: for methods that have to bear any f."""
-    from reference_tracer.surfaces import expression
+    from raytruth.reference_tracer.surfaces import expression
 
     monkeypatch.setattr(expression, "odd_part", lambda tree: tree)
     expression.forms_of.cache_clear()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from reference_tracer.scene import library
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.model import Scene
 
 from .. import renderers
 from ..results import Comparison, Run

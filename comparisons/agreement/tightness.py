@@ -9,7 +9,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.model import Scene
 
 from .. import renderers
 from ..results import Gate, Run

@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import drjit as dr
-
-from reference_tracer.tracer.optics import Optics, Refraction
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.tracer.optics import Optics, Refraction
+from raytruth.reference_tracer.tracer.world import World
 
 from ..suites import choose
 from .document import Stage

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-
-from reference_tracer.scene.model import Camera, Light, Material, Object, Scene
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.tracer.camera import canvas_point, frame
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Scene
+from raytruth.reference_tracer.scene.placement import is_inside
+from raytruth.reference_tracer.tracer.camera import canvas_point, frame
 
 BLACK, WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 WITHIN = {"fov": 110.0, "width": 96, "height": 96}  # of a picture taken inside an object

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.model import Scene
 
 from .. import renderers
 from ..execution.pool import Pool

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.image_files import load_npz
-from reference_tracer.tracer.render import Picture
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.image_files import load_npz
+from raytruth.reference_tracer.tracer.render import Picture
 
 from .. import renderers
 from ..document import Record

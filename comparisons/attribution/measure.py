@@ -8,11 +8,10 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.scene import library
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import Picture, Renderer
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import Picture, Renderer
 
 from .. import document, renderers
 from ..execution import pool as pools

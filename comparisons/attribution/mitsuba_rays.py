@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-
-from converters.mitsuba import convert
-from converters.mitsuba.variant import dr, mi
-from reference_tracer.scene.model import Scene
+from raytruth.converters.mitsuba import convert
+from raytruth.converters.mitsuba.variant import dr, mi
+from raytruth.reference_tracer.scene.model import Scene
 
 from ..renderers.mitsuba import _Rays, _Tracer
 from .document import History, Ray

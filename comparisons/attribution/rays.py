@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import Picture, Renderer, Watch
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import Picture, Renderer, Watch
 
 from .document import History, Ray
 

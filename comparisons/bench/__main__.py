@@ -1,10 +1,10 @@
-"""Time the tracer against others: python -m comparisons.bench
+"""Time the tracer against others: python -m raytruth.comparisons.bench
 
 examples:
-  python -m comparisons.bench                                           everything, into results/bench.json
-  python -m comparisons.bench --quick                                   smaller pictures
-  python -m comparisons.bench --only paper-vs-port --scenes figure-07-torus --turns 5
-  python -m comparisons.bench --accept                                  what is reached now must not be lost again
+  python -m raytruth.comparisons.bench                                           everything, into results/bench.json
+  python -m raytruth.comparisons.bench --quick                                   smaller pictures
+  python -m raytruth.comparisons.bench --only paper-vs-port --scenes figure-07-torus --turns 5
+  python -m raytruth.comparisons.bench --accept                                  what is reached now must not be lost again
 
 The exit code is 1 if a ratio fell below 0.85 of the accepted one, or if a case crashed.
 """
@@ -16,7 +16,7 @@ import re
 import sys
 from pathlib import Path
 
-from reference_tracer.errors import InputError
+from raytruth.reference_tracer.errors import InputError
 
 from .. import document as documents
 from ..results import BROKEN
@@ -50,7 +50,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser("python -m comparisons.bench", description=__doc__,
+    parser = argparse.ArgumentParser("python -m raytruth.comparisons.bench", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", default=[], metavar="GROUP", help=f"groups: {', '.join(cases.GROUPS)}")
     parser.add_argument("--scenes", nargs="+", default=[], metavar="NAME", help="cases of these names only")
@@ -100,5 +100,5 @@ if __name__ == "__main__":
     try:
         sys.exit(main())
     except InputError as error:
-        print(f"python -m comparisons.bench: {error}", file=sys.stderr)
+        print(f"python -m raytruth.comparisons.bench: {error}", file=sys.stderr)
         sys.exit(2)

@@ -15,18 +15,17 @@ from pathlib import Path
 
 import drjit as dr
 import numpy as np
-
-from reference_tracer.backend import backend, use_threads
-from reference_tracer.errors import InputError, UnsupportedError
-from reference_tracer.first_hit import METHODS
-from reference_tracer.scene import library
-from reference_tracer.scene.model import Camera, Light, Material, Object, Scene
-from reference_tracer.surfaces.plane import Plane
-from reference_tracer.surfaces.sphere import Sphere
-from reference_tracer.tracer.camera_rays import camera_wave
-from reference_tracer.tracer.image_files import planes_of, save
-from reference_tracer.tracer.render import UNDECIDED, Picture, Renderer, render
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.backend import backend, use_threads
+from raytruth.reference_tracer.errors import InputError, UnsupportedError
+from raytruth.reference_tracer.first_hit import METHODS
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Scene
+from raytruth.reference_tracer.surfaces.plane import Plane
+from raytruth.reference_tracer.surfaces.sphere import Sphere
+from raytruth.reference_tracer.tracer.camera_rays import camera_wave
+from raytruth.reference_tracer.tracer.image_files import planes_of, save
+from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture, Renderer, render
+from raytruth.reference_tracer.tracer.world import World
 
 from ..execution.machine import peak_kib
 from ..execution.pool import Pool, Task

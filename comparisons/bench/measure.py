@@ -33,7 +33,7 @@ def chosen(groups: Sequence[Group], scenes: list[str]) -> list[tuple[Group, str]
 
 
 def _measured(pool: Pool, group: Group, case: str, options: Options) -> list[Row]:
-    command = f"python -m comparisons.bench --only {group.name} --scenes {case}"
+    command = f"python -m raytruth.comparisons.bench --only {group.name} --scenes {case}"
     found = pool.ask(Task(case, f"{group.name}: {case}", f"{__name__}:answer", {
         "group": group.name, "case": case, "options": asdict(options)}, LONGEST))
     if found["state"] == "ok":

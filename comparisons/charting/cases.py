@@ -11,11 +11,11 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Literal
 
-from reference_tracer.scene import library
-from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
-from reference_tracer.surfaces.expression import Expression
-from reference_tracer.surfaces.plane import Plane
-from reference_tracer.surfaces.sphere import Sphere
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
+from raytruth.reference_tracer.surfaces.expression import Expression
+from raytruth.reference_tracer.surfaces.plane import Plane
+from raytruth.reference_tracer.surfaces.sphere import Sphere
 
 from .. import renderers
 from ..bench.cases import spheres

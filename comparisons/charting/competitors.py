@@ -9,14 +9,13 @@ from pathlib import Path
 
 import drjit as dr
 import numpy as np
-
-from reference_tracer.backend import use_threads
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.first_hit import Intersection
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.camera_rays import camera_rays
-from reference_tracer.tracer.render import Picture, Renderer
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.backend import use_threads
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.first_hit import Intersection
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.camera_rays import camera_rays
+from raytruth.reference_tracer.tracer.render import Picture, Renderer
+from raytruth.reference_tracer.tracer.world import World
 
 from .. import renderers
 from ..bench.timing import Cost, timed

@@ -17,9 +17,8 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.image_files import load_npz
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.image_files import load_npz
 
 from ..bench.document import Spread
 from ..bench.timing import QUIET, spread
@@ -81,7 +80,7 @@ class ChartStore(store.Store):
         """`renderer` is who is measured; ours, if it is none of the suite's."""
         found = RENDERERS.get(renderer)
         return store.key(scene.hash, *content, self._always, found.content if found else renderer,
-                         made_by=("comparisons.charting.worker", "comparisons.charting.competitors",
+                         made_by=("raytruth.comparisons.charting.worker", "raytruth.comparisons.charting.competitors",
                                   *(found.code if found else ())))
 
 
@@ -134,8 +133,8 @@ class Workers:
             "timed": contestant.timed, "truth": str(truth) if truth else None, "threads": threads, **more})
 
     def _task(self, id: str, process: str, arguments: dict) -> Task:
-        return Task(id, id, "comparisons.charting.worker:answer", {**arguments, "kernels": str(self._folder / process)},
-                    self.limit, process)
+        return Task(id, id, "raytruth.comparisons.charting.worker:answer",
+                    {**arguments, "kernels": str(self._folder / process)}, self.limit, process)
 
 
 def _text(scene: Scene) -> str:

@@ -8,10 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import UNDECIDED, render
-from reference_tracer.tracer.sensitivity import SAFETY, UNIT, perturbed
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import UNDECIDED, render
+from raytruth.reference_tracer.tracer.sensitivity import SAFETY, UNIT, perturbed
 
 from ..verdicts.metrics import VISIBLE, Planes, largest_around, pixel_error
 from .document import Accuracy, Uncertainty

@@ -17,7 +17,7 @@ def answer(request: dict) -> dict:
     """In a worker that lasts: the truth, a first picture, or one turn."""
     os.environ["DRJIT_CACHE_DIR"] = request["kernels"]  # read when Dr.Jit is imported, below
     os.makedirs(request["kernels"], exist_ok=True)
-    from reference_tracer.scene.load import parse_scene
+    from raytruth.reference_tracer.scene.load import parse_scene
 
     from . import truth
 
@@ -31,8 +31,7 @@ def answer(request: dict) -> dict:
 def _judged(request: dict, scene) -> dict:
     """The first picture, for its accuracy; what it took to get there."""
     import drjit as dr
-
-    from reference_tracer.tracer.image_files import save_npz
+    from raytruth.reference_tracer.tracer.image_files import save_npz
 
     from ..execution.machine import forget_peak, peak_kib
 

@@ -16,10 +16,10 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from reference_tracer import llvm
+from raytruth.reference_tracer import llvm
 
-ROOT = Path(__file__).resolve().parents[2]
-OURS = ("reference_tracer", "converters", "comparisons")
+ROOT = Path(__file__).resolve().parents[2]  # where the packages of raytruth stand
+OURS = ("raytruth.reference_tracer", "raytruth.converters", "raytruth.comparisons")
 DISTRIBUTION = {"skimage": "scikit-image", "flint": "python-flint"}  # where it is not called as it is imported
 COMPILED = {"drjit", "mitsuba"}  # what compiles its kernels by LLVM
 
@@ -49,7 +49,7 @@ def closure(*modules: str) -> tuple[frozenset[str], frozenset[str]]:
         name = waiting.pop()
         if name in ours:
             continue
-        if name.partition(".")[0] not in OURS:
+        if not _is_ours(name):
             others.add(name.partition(".")[0])
         elif _file(name):
             ours.add(name)
@@ -81,12 +81,16 @@ def _named(node: ast.AST, package: str) -> Iterator[str]:
             yield name
 
 
+def _is_ours(name: str) -> bool:
+    return ".".join(name.split(".")[:2]) in OURS
+
+
 @cache
 def _file(name: str) -> Path | None:
     """The source of one of our modules; None if there is none."""
-    if name.partition(".")[0] not in OURS:
+    if not _is_ours(name):
         return None
-    path = ROOT.joinpath(*name.split("."))
+    path = ROOT.joinpath(*name.split(".")[1:])
     return next((p for p in (path.with_suffix(".py"), path / "__init__.py") if p.is_file()), None)
 
 

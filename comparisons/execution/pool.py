@@ -19,7 +19,7 @@ from typing import Protocol, TypeVar
 from .process import Worker
 from .store import Store, UnwritableError
 
-COMMAND = (sys.executable, "-m", "comparisons.execution.worker")
+COMMAND = (sys.executable, "-m", "raytruth.comparisons.execution.worker")
 Record = TypeVar("Record")
 
 

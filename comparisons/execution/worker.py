@@ -36,7 +36,7 @@ def tell(label: str, share: float) -> None:
 
 def answer(request: dict) -> dict:
     """What the function that `request` names returns, or what became of it."""
-    from reference_tracer.errors import InputError, MissingError, UnsupportedError
+    from raytruth.reference_tracer.errors import InputError, MissingError, UnsupportedError
 
     from .store import UnwritableError
 
@@ -65,6 +65,6 @@ def _end_with(parent: int) -> None:
 
 
 if __name__ == "__main__":
-    from comparisons.execution import worker  # the module that others import, not a second one called __main__
+    from raytruth.comparisons.execution import worker  # the module that others import, not a second one called __main__
 
     worker.main()

@@ -10,8 +10,8 @@ import math
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from typing import TypeVar
 
-from reference_tracer.first_hit.exact import cheapest_exact
-from reference_tracer.scene.model import EFFECTS, MOST_STEPS, FirstHitChoice, Object, Scene
+from raytruth.reference_tracer.first_hit.exact import cheapest_exact
+from raytruth.reference_tracer.scene.model import EFFECTS, MOST_STEPS, FirstHitChoice, Object, Scene
 
 from .search import Change, Decision, Search
 

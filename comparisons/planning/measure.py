@@ -12,11 +12,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.image_files import to_8_bit
-from reference_tracer.tracer.render import Picture, Renderer, render
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
+from raytruth.reference_tracer.tracer.render import Picture, Renderer, render
 
 from ..bench.timing import Contestant, interleave, timed
 from ..bench.timing import deciding as deciding_clock

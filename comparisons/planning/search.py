@@ -7,10 +7,9 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import Renderer, Watch, render
-from reference_tracer.tracer.sensitivity import sensitivity
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import Renderer, Watch, render
+from raytruth.reference_tracer.tracer.sensitivity import sensitivity
 
 from ..bench.timing import timed
 from .document import DecisionRecord, Trial

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-from reference_tracer.errors import InputError
-from reference_tracer.scene import library
-from reference_tracer.scene.model import Scene, Tracing
-from reference_tracer.tracer.given_rays import GivenRays
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.model import Scene, Tracing
+from raytruth.reference_tracer.tracer.given_rays import GivenRays
 
 from . import vectors
 from .protocol import LEVELS, Declaration, Level

@@ -14,8 +14,7 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.model import Scene
 
 from .mistaken import Exhausted, Tracers
 from .mistakes import CATALOGUE, NOISY, SWITCHES, Mistakes, filed, moved, possible

@@ -11,10 +11,9 @@ import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
-
-from reference_tracer.scene.model import EFFECTS, Scene
-from reference_tracer.tracer.render import render
-from reference_tracer.tracer.sensitivity import PROBES
+from raytruth.reference_tracer.scene.model import EFFECTS, Scene
+from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.tracer.sensitivity import PROBES
 
 from ..verdicts.conditioning import Limits, kinds
 from ..verdicts.metrics import largest_around

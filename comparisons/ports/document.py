@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal
 from xml.etree import ElementTree
 
-from reference_tracer.errors import InputError
+from raytruth.reference_tracer.errors import InputError
 
 from ..document import Record
 from ..execution.machine import Machine

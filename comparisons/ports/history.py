@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-
-from reference_tracer.errors import InputError
-from reference_tracer.tracer.given_rays import GivenRays
-from reference_tracer.tracer.render import Renderer
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.tracer.given_rays import GivenRays
+from raytruth.reference_tracer.tracer.render import Renderer
 
 from ..attribution.document import History
 from ..attribution.rays import Recorder, name_of, shortened

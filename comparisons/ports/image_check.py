@@ -10,12 +10,11 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.film import UNDECIDED
-from reference_tracer.tracer.render import Picture, render
-from reference_tracer.tracer.sensitivity import sensitivity
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.film import UNDECIDED
+from raytruth.reference_tracer.tracer.render import Picture, render
+from raytruth.reference_tracer.tracer.sensitivity import sensitivity
 
 from ..verdicts.metrics import uniform_around
 from ..verdicts.tolerances import REPEATED

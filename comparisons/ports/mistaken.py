@@ -13,11 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-
-from reference_tracer.oracle.literal import Tangent
-from reference_tracer.scene.model import Object, Scene
-from reference_tracer.scene.placement import is_inside, rotation_matrix
-from reference_tracer.tracer.camera import frame
+from raytruth.reference_tracer.oracle.literal import Tangent
+from raytruth.reference_tracer.scene.model import Object, Scene
+from raytruth.reference_tracer.scene.placement import is_inside, rotation_matrix
+from raytruth.reference_tracer.tracer.camera import frame
 
 from .mistakes import Mistakes, filed, moved
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.errors import InputError
+from raytruth.reference_tracer.errors import InputError
 
 SUFFIXES = (".png", ".exr", ".pfm", ".npy", ".npz")
 MOST_PIXELS = 2**24

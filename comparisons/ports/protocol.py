@@ -14,10 +14,9 @@ from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
-
-from converters.plain import KINDS, plain
-from reference_tracer.scene.load import one_line, printable
-from reference_tracer.scene.model import Scene
+from raytruth.converters.plain import KINDS, plain
+from raytruth.reference_tracer.scene.load import one_line, printable
+from raytruth.reference_tracer.scene.model import Scene
 
 PROTOCOL = 1
 LONGEST_HEADER = 1 << 16  # bytes

@@ -19,7 +19,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from reference_tracer.errors import InputError
+from raytruth.reference_tracer.errors import InputError
 
 from ..execution.process import Worker
 from . import protocol

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.tracer.film import PLANES, UNDECIDED
-from reference_tracer.tracer.given_rays import GivenRays
-from reference_tracer.tracer.render import Picture, Watch, render
+from raytruth.reference_tracer.tracer.film import PLANES, UNDECIDED
+from raytruth.reference_tracer.tracer.given_rays import GivenRays
+from raytruth.reference_tracer.tracer.render import Picture, Watch, render
 
 from ..execution import store
 from ..execution.store import Store

@@ -17,9 +17,8 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.given_rays import GivenRays
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.given_rays import GivenRays
 
 VERSION = "1.0.0"
 IDS = Path(__file__).with_name("ids.txt")

@@ -67,8 +67,8 @@ class Total:
 def run(count: int, seed: int, jobs: int, method: str = "exact") -> Iterator[Answer]:
     """Renders and judges the scenes of `count` seeds from `seed` on. Yields answers as they end, which is not far from the
     order of the seeds."""
-    tasks = [Task(str(k), f"scene {k}", "comparisons.random_scenes.worker:answer", {"seed": k, "method": method}, LIMIT,
-                  process=f"random scenes {k // RENEWED}") for k in range(seed, seed + count)]
+    tasks = [Task(str(k), f"scene {k}", "raytruth.comparisons.random_scenes.worker:answer", {"seed": k, "method": method},
+                  LIMIT, process=f"random scenes {k // RENEWED}") for k in range(seed, seed + count)]
     with Pool(jobs) as pool:
         for task, answer in pool.run(tasks):
             yield _read(task, answer)

@@ -15,9 +15,9 @@ def answer(arguments: dict) -> dict:
 
 def judged(seed: int, method: str) -> dict:
     """One scene rendered and judged, as the fields of suite.Answer."""
-    from reference_tracer.errors import InputError
-    from reference_tracer.scene.load import parse_scene
-    from reference_tracer.tracer.render import render
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.scene.load import parse_scene
+    from raytruth.reference_tracer.tracer.render import render
 
     from .grammar import draw
     from .judge import Judge

@@ -13,10 +13,9 @@ from inspect import signature
 from typing import get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import Picture
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import Picture
 
 from ..execution.code import installed, program
 from . import expressible
@@ -39,7 +38,7 @@ class Renderer:
     @property
     def code(self) -> tuple[str, ...]:
         """The modules that its pictures are made by."""
-        return f"{__name__}.{self.module}", "reference_tracer.tracer.image_files"
+        return f"{__name__}.{self.module}", "raytruth.reference_tracer.tracer.image_files"
 
     @property
     def content(self) -> list:
@@ -79,7 +78,7 @@ def nearest(scene: Scene, *names: str) -> Nearest:
 
 def parsed(name: str, settings: dict[str, str]) -> dict:
     """Settings of renderer `name` as typed, each as the kind of value that its `render` says it takes. Raises InputError."""
-    from reference_tracer.scene.load import one_line
+    from raytruth.reference_tracer.scene.load import one_line
 
     module = import_module(f"{__name__}.{find(name).module}")
     kinds, found = get_type_hints(module.render, include_extras=True), {}

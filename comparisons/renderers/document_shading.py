@@ -9,12 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
-from converters.crossings import Crossings, Start
-from reference_tracer.scene.model import Scene
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.tracer.camera import canvas_point, frame
-from reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
+from raytruth.converters.crossings import Crossings, Start
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.placement import is_inside
+from raytruth.reference_tracer.tracer.camera import canvas_point, frame
+from raytruth.reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
 
 MOST_RAYS = 1 << 16  # of one wave: its arrays stay in the processor's cache
 

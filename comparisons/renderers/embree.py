@@ -9,11 +9,10 @@ import time
 from importlib.metadata import version
 
 import numpy as np
-
-from converters.embree import EmbreeIntersector, convert
-from converters.mesh import largest
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import UNDECIDED, Picture
+from raytruth.converters.embree import EmbreeIntersector, convert
+from raytruth.converters.mesh import largest
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture
 
 from .document_shading import traced
 

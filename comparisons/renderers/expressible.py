@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from reference_tracer.scene.model import EFFECTS, Scene, Tracing
+from raytruth.reference_tracer.scene.model import EFFECTS, Scene, Tracing
 
 
 @dataclass(frozen=True)

@@ -10,17 +10,16 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-
-from converters.mesh import largest
-from converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
-from converters.mitsuba.crossings import OFFSET, MitsubaHit, MitsubaIntersector, spawn
-from converters.mitsuba.shapes import native
-from converters.mitsuba.variant import dr, mi
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.model import Scene
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.tracer.rays import Sides
-from reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
+from raytruth.converters.mesh import largest
+from raytruth.converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
+from raytruth.converters.mitsuba.crossings import OFFSET, MitsubaHit, MitsubaIntersector, spawn
+from raytruth.converters.mitsuba.shapes import native
+from raytruth.converters.mitsuba.variant import dr, mi
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.placement import is_inside
+from raytruth.reference_tracer.tracer.rays import Sides
+from raytruth.reference_tracer.tracer.render import HIT, MISS, UNDECIDED, Picture
 
 from .reference import LONG
 

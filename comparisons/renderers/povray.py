@@ -8,11 +8,10 @@ from __future__ import annotations
 import time
 
 import numpy as np
-
-from converters.povray import Conversion, convert, object_of, passes
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.camera import canvas_point, frame
-from reference_tracer.tracer.render import HIT, MISS, Picture
+from raytruth.converters.povray import Conversion, convert, object_of, passes
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.camera import canvas_point, frame
+from raytruth.reference_tracer.tracer.render import HIT, MISS, Picture
 
 from .povray_process import SECONDS, Shot, run
 

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.errors import MissingError, UnsupportedError
+from raytruth.reference_tracer.errors import MissingError, UnsupportedError
 
 PROGRAM = "povray"
 SECONDS = 280.0  # less than what the suite grants a run, so that POV-Ray's own delay is told as such

@@ -9,10 +9,9 @@ from __future__ import annotations
 import time
 
 import numpy as np
-
-from converters.raysect import RaysectIntersector, error
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import UNDECIDED, Picture
+from raytruth.converters.raysect import RaysectIntersector, error
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture
 
 from ..execution.code import installed
 from .document_shading import traced

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import UNDECIDED, Picture
-from reference_tracer.tracer.render import render as trace
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture
+from raytruth.reference_tracer.tracer.render import render as trace
 
 LONG = 3.0  # seconds after which a picture is not made a second time for the sake of its time
 

@@ -12,13 +12,12 @@ from typing import Protocol
 
 import drjit as dr
 import numpy as np
-
-from reference_tracer.backend import Backend, backend
-from reference_tracer.first_hit import LocalRay, Solid
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.rays import Ray, Sides
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.backend import Backend, backend
+from raytruth.reference_tracer.first_hit import LocalRay, Solid
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.rays import Ray, Sides
+from raytruth.reference_tracer.tracer.world import World
 
 from .document import CODE, MOST_EVALUATIONS, NAMES, WRONG, Point
 from .methods import Method, Setting

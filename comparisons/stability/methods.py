@@ -6,15 +6,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import drjit as dr
-
-from reference_tracer.backend import Backend
-from reference_tracer.first_hit import FirstHit, Intersection, LocalRay, Solid
-from reference_tracer.first_hit.descartes import Descartes
-from reference_tracer.first_hit.exact import cheapest_exact
-from reference_tracer.first_hit.interval import IntervalMethod
-from reference_tracer.first_hit.paper import Paper
-from reference_tracer.first_hit.proof import Proof
-from reference_tracer.first_hit.quadratic import Quadratic
+from raytruth.reference_tracer.backend import Backend
+from raytruth.reference_tracer.first_hit import FirstHit, Intersection, LocalRay, Solid
+from raytruth.reference_tracer.first_hit.descartes import Descartes
+from raytruth.reference_tracer.first_hit.exact import cheapest_exact
+from raytruth.reference_tracer.first_hit.interval import IntervalMethod
+from raytruth.reference_tracer.first_hit.paper import Paper
+from raytruth.reference_tracer.first_hit.proof import Proof
+from raytruth.reference_tracer.first_hit.quadratic import Quadratic
 
 MAX_ITERATIONS = 20
 

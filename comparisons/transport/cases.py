@@ -10,9 +10,8 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
-
-from converters.mitsuba import sensor
-from converters.mitsuba.dressed import (
+from raytruth.converters.mitsuba import sensor
+from raytruth.converters.mitsuba.dressed import (
     FAR,
     area,
     dielectric,
@@ -25,12 +24,12 @@ from converters.mitsuba.dressed import (
     steady_point,
     sun,
 )
-from converters.mitsuba.radiance import Radiance, radiance
-from converters.mitsuba.variant import mi
-from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.surfaces import Plane, Sphere
-from reference_tracer.tracer.render import Picture
+from raytruth.converters.mitsuba.radiance import Radiance, radiance
+from raytruth.converters.mitsuba.variant import mi
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
+from raytruth.reference_tracer.scene.placement import is_inside
+from raytruth.reference_tracer.surfaces import Plane, Sphere
+from raytruth.reference_tracer.tracer.render import Picture
 
 from ..suites import choose
 from .document import Effect

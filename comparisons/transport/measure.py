@@ -16,11 +16,10 @@ from statistics import NormalDist
 
 import numpy as np
 from pydantic import ValidationError
-
-from converters.mitsuba.radiance import Radiance
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.render import UNDECIDED, Picture
-from reference_tracer.tracer.sensitivity import ORIGIN_UNITS, SAFETY, perturbed
+from raytruth.converters.mitsuba.radiance import Radiance
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture
+from raytruth.reference_tracer.tracer.sensitivity import ORIGIN_UNITS, SAFETY, perturbed
 
 from ..execution import store
 from ..execution.pool import Pool, Progress, Task, complete

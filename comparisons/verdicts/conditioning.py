@@ -11,12 +11,11 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.given_rays import GivenRays
-from reference_tracer.tracer.render import UNDECIDED
-from reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNIT, Displaced, perturbed, response
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.given_rays import GivenRays
+from raytruth.reference_tracer.tracer.render import UNDECIDED
+from raytruth.reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNIT, Displaced, perturbed, response
 
 from ..execution import store
 from ..execution.store import Store

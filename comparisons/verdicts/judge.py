@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from reference_tracer.tracer.sensitivity import PROBES
+from raytruth.reference_tracer.tracer.sensitivity import PROBES
 
 from ..results import Gate, Verdict
 from .tolerances import Tolerance

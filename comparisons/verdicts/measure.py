@@ -6,8 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.load import parse_scene
 
 from ..execution.store import Store
 from ..planes import read_planes

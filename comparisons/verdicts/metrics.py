@@ -7,8 +7,7 @@ quantiles, failing pixels and mismatches of hit and object.
 from __future__ import annotations
 
 import numpy as np
-
-from reference_tracer.tracer.render import UNDECIDED
+from raytruth.reference_tracer.tracer.render import UNDECIDED
 
 VISIBLE = 1 / 255  # one step of an 8-bit picture
 GRAZING = 0.2  # cosine between ray and normal below which a pixel belongs to a silhouette

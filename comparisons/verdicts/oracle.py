@@ -9,13 +9,12 @@ from __future__ import annotations
 import zlib
 
 import numpy as np
-
-from reference_tracer.oracle.literal import LiteralSearch, point_color, transmitted
-from reference_tracer.scene.model import Scene
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.tracer.camera import canvas_point, frame
-from reference_tracer.tracer.render import UNDECIDED
-from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, PROBES, SAFETY, UNIT
+from raytruth.reference_tracer.oracle.literal import LiteralSearch, point_color, transmitted
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.placement import is_inside
+from raytruth.reference_tracer.tracer.camera import canvas_point, frame
+from raytruth.reference_tracer.tracer.render import UNDECIDED
+from raytruth.reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, PROBES, SAFETY, UNIT
 
 from ..execution.store import Store
 from . import conditioning

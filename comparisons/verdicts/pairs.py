@@ -7,8 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
-
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.model import Scene
 
 from ..document import Record
 from ..execution import store
@@ -58,7 +57,7 @@ class Pair:
     @property
     def key(self) -> str:
         return store.key(self.first.key, self.second.key, self.smooth, self.accuracies, self.literal,
-                         made_by=("comparisons.verdicts.measure",))
+                         made_by=("raytruth.comparisons.verdicts.measure",))
 
 
 def accuracies(first: Run, second: Run) -> list[Accuracy]:
@@ -81,7 +80,7 @@ class Measurements:
         """Measures all pairs; one that cannot be measured has a state that says so."""
         pairs = list(pairs)
         tasks = [Task(pair.key, f"{pair.first.renderer} and {pair.second.renderer}: {pair.scene.name}",
-                      "comparisons.verdicts.measure:answer", {
+                      "raytruth.comparisons.verdicts.measure:answer", {
             "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results), "smooth": pair.smooth,
             "accuracies": pair.accuracies, "tells_depth": pair.tells_depth, "literal": pair.literal,
             "planes": [str(self.results / run.planes) for run in (pair.first, pair.second)]},
@@ -98,7 +97,7 @@ class Measurements:
             for accuracy in pair.accuracies:
                 key = conditioning.key_of(pair.scene.hash, conditioning.accuracy_from(accuracy))
                 if key not in tasks and kept.find(key, str) is None:
-                    tasks[key] = Task(key, f"limits: {pair.scene.name}", "comparisons.verdicts.conditioning:make", {
+                    tasks[key] = Task(key, f"limits: {pair.scene.name}", "raytruth.comparisons.verdicts.conditioning:make", {
                         "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results),
                         "accuracy": accuracy}, self.limit, "measure")
         for _ in self.pool.run(tasks.values()):

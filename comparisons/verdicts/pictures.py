@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.film import PLANES
-from reference_tracer.tracer.render import Picture
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.film import PLANES
+from raytruth.reference_tracer.tracer.render import Picture
 
 from ..execution.store import Store
 from ..results import OF_OBJECTS, Gate, Run, Verdict

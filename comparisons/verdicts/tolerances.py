@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import astuple, dataclass
 from typing import Literal
 
-from reference_tracer.tracer.sensitivity import DIRECTION_UNITS, FLOOR_UNITS, ORIGIN_UNITS, PROBES, SAFETY
+from raytruth.reference_tracer.tracer.sensitivity import DIRECTION_UNITS, FLOOR_UNITS, ORIGIN_UNITS, PROBES, SAFETY
 
 from ..results import Run
 from .conditioning import Accuracy

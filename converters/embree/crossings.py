@@ -9,9 +9,8 @@ distances are always those of the undisplaced ray.
 from __future__ import annotations
 
 import numpy as np
-
-from converters.crossings import Hit, Start
-from reference_tracer.scene.model import Scene
+from raytruth.converters.crossings import Hit, Start
+from raytruth.reference_tracer.scene.model import Scene
 
 from .scene import EmbreeScene, Solid
 

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-
-from converters.mesh import Mesh, mesh_object
-from reference_tracer.errors import MissingError
-from reference_tracer.scene.model import Scene
+from raytruth.converters.mesh import Mesh, mesh_object
+from raytruth.reference_tracer.errors import MissingError
+from raytruth.reference_tracer.scene.model import Scene
 
 OFFSET = 1e-6  # of an object's size: about ten units in the last place of Embree's fp32 coordinates
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Object, Scene
-from reference_tracer.scene.placement import reach_in_frame
-from reference_tracer.surfaces import Paraboloid, Plane
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Object, Scene
+from raytruth.reference_tracer.scene.placement import reach_in_frame
+from raytruth.reference_tracer.surfaces import Paraboloid, Plane
 
 from .error import kept, of_normals, of_triangles, worst
 from .marching import march

@@ -5,10 +5,9 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-
-from reference_tracer.numbers import Dual
-from reference_tracer.scene.model import Object
-from reference_tracer.scene.placement import corners_in_world, rotation_matrix
+from raytruth.reference_tracer.numbers import Dual
+from raytruth.reference_tracer.scene.model import Object
+from raytruth.reference_tracer.scene.placement import corners_in_world, rotation_matrix
 
 CHUNK = 1 << 17  # points evaluated at once: bounds the memory of the derivatives
 

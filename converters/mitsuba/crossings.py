@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.rays import Sides
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.rays import Sides
 
 from .refine import Refinement
 from .scene import MitsubaScene

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from reference_tracer.backend import backend
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.model import Light, Material, Object, Scene, Tracing
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.scene.model import Light, Material, Object, Scene, Tracing
 
 from . import plugins  # noqa: F401  registers them
 from .shapes import native

@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from xml.etree import ElementTree
 
 import numpy as np
-
-from converters.mesh import Mesh
-from reference_tracer.scene.model import Material, Scene
+from raytruth.converters.mesh import Mesh
+from raytruth.reference_tracer.scene.model import Material, Scene
 
 from .dressed import dielectric, diffuse, fading_point, mirror, rgb
 from .sensor import sensor_parts

@@ -7,10 +7,9 @@ Mitsuba's "smooth" ones, which are as good; its "analytic" ones are O(h).
 from __future__ import annotations
 
 import numpy as np
-
-from converters.mesh.error import kept
-from converters.mesh.placed import Placed
-from reference_tracer.errors import InputError
+from raytruth.converters.mesh.error import kept
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.errors import InputError
 
 from .variant import mi
 

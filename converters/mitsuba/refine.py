@@ -7,10 +7,9 @@ agreement says nothing of meshes or of roots.
 from __future__ import annotations
 
 import numpy as np
-
-from reference_tracer.numbers import Dual
-from reference_tracer.scene.model import Object
-from reference_tracer.scene.placement import rotation_matrix
+from raytruth.reference_tracer.numbers import Dual
+from raytruth.reference_tracer.scene.model import Object
+from raytruth.reference_tracer.scene.placement import rotation_matrix
 
 from .variant import dr, mi
 

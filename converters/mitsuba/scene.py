@@ -6,12 +6,11 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-
-from converters.mesh import mesh_object, mesh_to_error
-from converters.mesh.placed import Placed
-from reference_tracer.backend import backend
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Scene
+from raytruth.converters.mesh import mesh_object, mesh_to_error
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Scene
 
 from .grid import grid
 from .sensor import sensor

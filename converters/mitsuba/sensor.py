@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.model import Camera
-from reference_tracer.tracer.camera import canvas_point, frame
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.scene.model import Camera
+from raytruth.reference_tracer.tracer.camera import canvas_point, frame
 
 from .variant import mi
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-
-from converters.mesh import Mesh
-from converters.mesh.placed import Placed
-from converters.mesh.sheets import Patch, plane_patch
-from reference_tracer.scene.model import Object, Scene
-from reference_tracer.scene.placement import reach_in_frame
-from reference_tracer.surfaces import Plane, Sphere
+from raytruth.converters.mesh import Mesh
+from raytruth.converters.mesh.placed import Placed
+from raytruth.converters.mesh.sheets import Patch, plane_patch
+from raytruth.reference_tracer.scene.model import Object, Scene
+from raytruth.reference_tracer.scene.placement import reach_in_frame
+from raytruth.reference_tracer.surfaces import Plane, Sphere
 
 from .variant import mi
 

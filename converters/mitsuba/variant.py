@@ -3,7 +3,7 @@
 Both Mitsuba and Dr.Jit are imported from here, because whoever imports Dr.Jit first settles which LLVM it loads.
 """
 
-from reference_tracer import llvm  # points Dr.Jit at a good LLVM; must come first
+from raytruth.reference_tracer import llvm  # points Dr.Jit at a good LLVM; must come first
 
 import drjit as dr  # isort: skip
 import mitsuba as mi  # isort: skip

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-
-from reference_tracer.numbers import Interval
-from reference_tracer.scene.model import Object
-from reference_tracer.scene.placement import rotation_matrix
+from raytruth.reference_tracer.numbers import Interval
+from raytruth.reference_tracer.scene.model import Object
+from raytruth.reference_tracer.scene.placement import rotation_matrix
 
 PARTS = 8  # cells along each axis at first
 ROUNDS = 5  # of halving them

@@ -9,11 +9,10 @@ end at 2e10 only: those that reach farther than max_distance from the camera are
 from __future__ import annotations
 
 import numpy as np
-
-from converters.mesh.placed import Placed
-from reference_tracer.scene.model import Object, Scene
-from reference_tracer.scene.placement import corners, reach
-from reference_tracer.surfaces import Plane
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.scene.model import Object, Scene
+from raytruth.reference_tracer.scene.placement import corners, reach
+from raytruth.reference_tracer.surfaces import Plane
 
 from .cells import holds_everywhere, no_part_of
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from converters.mesh.placed import Placed
-from reference_tracer.numbers import Dual, Interval
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.numbers import Dual, Interval
 
 CELLS = 24  # of the container along each axis
 LOOSE = 2.0  # an enclosure this much above the values found is no better than them

@@ -9,11 +9,10 @@ that the two are apart; where it proves neither, the scene is refused.
 from __future__ import annotations
 
 import numpy as np
-
-from converters.mesh.placed import Placed
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.model import Object, Scene
-from reference_tracer.scene.placement import corners, is_inside, reach
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.scene.model import Object, Scene
+from raytruth.reference_tracer.scene.placement import corners, is_inside, reach
 
 from .cells import enclosed, holds_everywhere
 from .distance import bounds

@@ -6,13 +6,12 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
-
-from converters.mesh.occupied import tight_box
-from converters.mesh.placed import Placed
-from reference_tracer.errors import InputError, UnsupportedError
-from reference_tracer.scene.model import Object, Scene
-from reference_tracer.scene.placement import is_inside, reach_in_frame
-from reference_tracer.tracer.camera import frame
+from raytruth.converters.mesh.occupied import tight_box
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.errors import InputError, UnsupportedError
+from raytruth.reference_tracer.scene.model import Object, Scene
+from raytruth.reference_tracer.scene.placement import is_inside, reach_in_frame
+from raytruth.reference_tracer.tracer.camera import frame
 
 from . import materials, passes, shapes
 from .distance import END, far_shadows, origins, within_distance

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-
-from converters.mesh.placed import Placed
-from reference_tracer.scene.model import Object
-from reference_tracer.scene.placement import rotation_matrix
-from reference_tracer.surfaces import Ellipsoid, Paraboloid, Plane, Sphere, Torus
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.scene.model import Object
+from raytruth.reference_tracer.scene.placement import rotation_matrix
+from raytruth.reference_tracer.surfaces import Ellipsoid, Paraboloid, Plane, Sphere, Torus
 
 from .text import function_text
 from .words import number, vector

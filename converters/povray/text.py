@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from reference_tracer.numbers import composed
+from raytruth.reference_tracer.numbers import composed
 
 from .words import number
 

@@ -33,7 +33,7 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from reference_tracer.errors import InputError
+    from raytruth.reference_tracer.errors import InputError
 
     require_folder(arguments.results if arguments.wrong_on_purpose else None)
     if arguments.wrong_on_purpose:
@@ -46,10 +46,10 @@ def run(arguments) -> int:
 
 
 def _one(arguments) -> int:
-    from comparisons import renderers
-    from comparisons.attribution.measure import attribute, of_fault, of_renderer
-    from comparisons.progress import Progress
-    from reference_tracer.scene.library import find
+    from raytruth.comparisons import renderers
+    from raytruth.comparisons.attribution.measure import attribute, of_fault, of_renderer
+    from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer.scene.library import find
 
     both = ("exact" if arguments.fault is not None else arguments.against, arguments.renderer)
     near = renderers.nearest(resized(find(arguments.scene), arguments.size), *both)
@@ -100,8 +100,8 @@ def _lines(history, color) -> list[str]:
 
 
 def _all_faults(arguments) -> int:
-    from comparisons.attribution.measure import wrong_on_purpose
-    from comparisons.progress import Cases
+    from raytruth.comparisons.attribution.measure import wrong_on_purpose
+    from raytruth.comparisons.progress import Cases
 
     with Cases() as progress:
         table = wrong_on_purpose(arguments.results, jobs=arguments.jobs, progress=progress)

@@ -56,11 +56,11 @@ def run(arguments) -> int:
 
 
 def _run(arguments) -> int:
-    from comparisons.progress import Progress
-    from reference_tracer.certify import certify
-    from reference_tracer.certify.text import told
-    from reference_tracer.scene import library
-    from reference_tracer.tracer.film import PLANES
+    from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer.certify import certify
+    from raytruth.reference_tracer.certify.text import told
+    from raytruth.reference_tracer.scene import library
+    from raytruth.reference_tracer.tracer.film import PLANES
 
     scenes = [library.find(name) for name in arguments.scene or library.names()]
     scenes = [resized(scene, arguments.size) for scene in scenes]
@@ -87,9 +87,9 @@ def _run(arguments) -> int:
 
 
 def _run_random(arguments) -> int:
-    from comparisons.progress import Progress
-    from comparisons.random_scenes import grammar, suite
-    from reference_tracer.errors import InputError
+    from raytruth.comparisons.progress import Progress
+    from raytruth.comparisons.random_scenes import grammar, suite
+    from raytruth.reference_tracer.errors import InputError
 
     if arguments.scene:
         raise InputError("--random draws its scenes: name none")
@@ -123,7 +123,7 @@ def _run_random(arguments) -> int:
 
 def _tell_failure(answer, scene: dict, arguments) -> None:
     """One line for a scene that fails alone, with the command that repeats it; the scene goes to a file."""
-    from reference_tracer.writing import atomically
+    from raytruth.reference_tracer.writing import atomically
 
     path = arguments.results / f"random-{answer.seed}.json"
     with atomically(path) as part:
@@ -138,7 +138,7 @@ def _tell_failure(answer, scene: dict, arguments) -> None:
 
 def _table(totals) -> str:
     """What every kind of scene came to, and whether that holds."""
-    from comparisons.random_scenes.suite import EXCUSED, MOST_UNDECIDED, Total
+    from raytruth.comparisons.random_scenes.suite import EXCUSED, MOST_UNDECIDED, Total
 
     lines = [f"{'random scenes':<22}{'scenes':>8}{'failed':>8}{'pixels':>9}{'untold':>8}{'wrong':>7}{'hits':>9}"
              f"{'undecided':>11}{'avoidable':>11}{'share':>8}  worst scene"]

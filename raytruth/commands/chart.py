@@ -36,9 +36,9 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.charting import cases, document, measure
-    from comparisons.progress import Cases
-    from reference_tracer.errors import InputError
+    from raytruth.comparisons.charting import cases, document, measure
+    from raytruth.comparisons.progress import Cases
+    from raytruth.reference_tracer.errors import InputError
 
     limit = arguments.limit if arguments.limit is not None else 120.0 if arguments.full else 30.0
     if not 8 <= min(arguments.size) or arguments.size[0] * arguments.size[1] > 1 << 24:

@@ -32,10 +32,10 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.ports.image_check import PLANES, check, sized
-    from comparisons.ports.picture import read
-    from comparisons.progress import Progress
-    from reference_tracer.scene.library import find
+    from raytruth.comparisons.ports.image_check import PLANES, check, sized
+    from raytruth.comparisons.ports.picture import read
+    from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer.scene.library import find
 
     require_file(arguments.output, ".png")
     scene, picture = find(arguments.scene), read(arguments.file)
@@ -55,9 +55,9 @@ def run(arguments) -> int:
 def _map(error, undecided, path: Path) -> None:
     import numpy as np
 
-    from reference_tracer.errors import InputError
-    from reference_tracer.tracer.image_files import write_8_bit
-    from reports.figures.scale import paint
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.tracer.image_files import write_8_bit
+    from raytruth.reports.figures.scale import paint
 
     try:
         write_8_bit(paint(error, np.zeros_like(undecided), undecided), path)

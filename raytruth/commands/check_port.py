@@ -49,10 +49,10 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons import document as documents
-    from comparisons.ports import document
-    from comparisons.progress import Progress
-    from reference_tracer.errors import InputError
+    from raytruth.comparisons import document as documents
+    from raytruth.comparisons.ports import document
+    from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer.errors import InputError
 
     command = arguments.port[1:] if arguments.port[:1] == ["--"] else arguments.port
     if not command:
@@ -84,12 +84,12 @@ def run(arguments) -> int:
 
 
 def _checked(arguments, command, known, bar):
-    from comparisons.ports import cases as all_cases
-    from comparisons.ports import check
-    from comparisons.ports.document import Check
-    from comparisons.ports.session import Failure
-    from comparisons.ports.truth import Truths
-    from comparisons.suites import head
+    from raytruth.comparisons.ports import cases as all_cases
+    from raytruth.comparisons.ports import check
+    from raytruth.comparisons.ports.document import Check
+    from raytruth.comparisons.ports.session import Failure
+    from raytruth.comparisons.ports.truth import Truths
+    from raytruth.comparisons.suites import head
 
     start, chosen, message, results = time.monotonic(), all_cases.chosen(arguments.only), "", []
     with _port(arguments, command) as port:
@@ -121,8 +121,8 @@ def _checked(arguments, command, known, bar):
 
 
 def _port(arguments, command):
-    from comparisons.ports.protocol import PROTOCOL, SWITCHES, Declaration
-    from comparisons.ports.session import Painter, Port
+    from raytruth.comparisons.ports.protocol import PROTOCOL, SWITCHES, Declaration
+    from raytruth.comparisons.ports.session import Painter, Port
 
     if not arguments.image_only:
         return Port(command)
@@ -166,8 +166,8 @@ def _line(result, arguments, command) -> str:
 
 def _history(port, declared, chosen, arguments) -> None:
     """Our rays of one pixel or given ray, and what the port says of the first."""
-    from comparisons.ports import history
-    from reference_tracer.errors import InputError
+    from raytruth.comparisons.ports import history
+    from raytruth.reference_tracer.errors import InputError
 
     if len(chosen) != 1 and len({case.name for case in chosen}) != 1:
         raise InputError("--history: name one case by --only")

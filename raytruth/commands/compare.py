@@ -37,15 +37,15 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons import renderers
-    from comparisons.agreement import records
-    from comparisons.agreement.tightness import TELLING
-    from comparisons.progress import Cases
-    from comparisons.results import BROKEN
-    from comparisons.suite import COMPARED, Options, compare
-    from comparisons.verdicts.tolerances import LOOSE
-    from reference_tracer.errors import InputError
-    from reference_tracer.scene import library
+    from raytruth.comparisons import renderers
+    from raytruth.comparisons.agreement import records
+    from raytruth.comparisons.agreement.tightness import TELLING
+    from raytruth.comparisons.progress import Cases
+    from raytruth.comparisons.results import BROKEN
+    from raytruth.comparisons.suite import COMPARED, Options, compare
+    from raytruth.comparisons.verdicts.tolerances import LOOSE
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.scene import library
 
     chosen = tuple(arguments.renderers.split(",")) if arguments.renderers else COMPARED
     for name in chosen:

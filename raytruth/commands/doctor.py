@@ -43,7 +43,7 @@ assert abs(y[4] - (2 + -0.7568024953079282)) < 1e-12
 print(".".join(str(n.value) for n in numbers))
 """
 _PROBE_MITSUBA = """
-import reference_tracer, mitsuba
+from raytruth import reference_tracer; import mitsuba
 mitsuba.set_variant("llvm_ad_rgb")
 scene = mitsuba.load_dict({"type": "scene", "ball": {"type": "sphere"}})
 hit = scene.ray_intersect(mitsuba.Ray3f([0, 0, -3], [0, 0, 1]))
@@ -82,7 +82,7 @@ def _drjit() -> Finding:
 
 
 def _llvm() -> Finding:
-    from reference_tracer import llvm  # importing it points Dr.Jit at a library unless the user did
+    from raytruth.reference_tracer import llvm  # importing it points Dr.Jit at a library unless the user did
 
     path = os.environ.get(llvm.VARIABLE)
     if not path:
@@ -113,7 +113,7 @@ def _mitsuba() -> Finding:
 
 
 def _raysect() -> Finding:
-    from comparisons.execution.code import installed
+    from raytruth.comparisons.execution.code import installed
 
     version = installed("raysect")
     return Finding("raysect", version[0].isdigit(), version,

@@ -29,9 +29,9 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.progress import Progress
-    from converters.export import export
-    from reference_tracer.scene.library import find
+    from raytruth.comparisons.progress import Progress
+    from raytruth.converters.export import export
+    from raytruth.reference_tracer.scene.library import find
 
     scene = find(arguments.scene)
     with Progress(1.0, label=f"{scene.name}: exporting"):

@@ -39,8 +39,8 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.planning import document, measure
-    from comparisons.progress import Cases
+    from raytruth.comparisons.planning import document, measure
+    from raytruth.comparisons.progress import Cases
 
     scenes = _scenes(arguments)
     folder = arguments.results or (None if arguments.scene else Path("results"))
@@ -68,8 +68,8 @@ def run(arguments) -> int:
 
 
 def _scenes(arguments):
-    from reference_tracer.errors import InputError
-    from reference_tracer.scene import library
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.scene import library
 
     if arguments.output and len(arguments.scene) != 1:
         raise InputError("--output: holds one planned scene; name one scene to plan")
@@ -80,7 +80,7 @@ def _scenes(arguments):
 
 
 def _write(planned: dict, path: Path) -> None:
-    from reference_tracer.writing import atomically
+    from raytruth.reference_tracer.writing import atomically
 
     with atomically(path) as part:
         part.write_text(json.dumps(planned, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

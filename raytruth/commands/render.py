@@ -53,9 +53,9 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from reference_tracer.errors import InputError
-    from reference_tracer.scene.library import PUBLISHED, find
-    from reference_tracer.tracer.image_files import require_writable, save
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.scene.library import PUBLISHED, find
+    from raytruth.reference_tracer.tracer.image_files import require_writable, save
 
     output = Path(arguments.output)
     require_writable(output)  # before the work, not after it
@@ -85,8 +85,8 @@ def _adjusted(scene, arguments):
     """The scene with the changes that the command line asks for, under the same rules as in a scene file."""
     from pydantic import ValidationError
 
-    from reference_tracer.errors import InputError
-    from reference_tracer.scene.load import one_line
+    from raytruth.reference_tracer.errors import InputError
+    from raytruth.reference_tracer.scene.load import one_line
 
     try:
         if arguments.size:
@@ -103,10 +103,10 @@ def _adjusted(scene, arguments):
 
 
 def _with_ours(scene, arguments):
-    from comparisons.progress import Progress
-    from reference_tracer.tracer.estimate import estimate
-    from reference_tracer.tracer.image_files import planes_of
-    from reference_tracer.tracer.render import Renderer
+    from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer.tracer.estimate import estimate
+    from raytruth.reference_tracer.tracer.image_files import planes_of
+    from raytruth.reference_tracer.tracer.render import Renderer
 
     output = Path(arguments.output)
     memory.require(scene, planes_of(output), COPIES[output.suffix.lower()], arguments.memory)
@@ -127,7 +127,7 @@ def _with_ours(scene, arguments):
 
 def _may_be_long(scene) -> bool:
     """Whether so much could have to be done that it is worth to measure before."""
-    from reference_tracer.tracer.estimate import most_rays
+    from raytruth.reference_tracer.tracer.estimate import most_rays
 
     paper = any(o.first_hit and o.first_hit.method == "paper" for o in scene.objects)
     steps = scene.tracing.max_distance / scene.tracing.step_size
@@ -136,7 +136,7 @@ def _may_be_long(scene) -> bool:
 
 def _by_key(option: str, items: list[str], example: str) -> dict[str, str]:
     """What an option KEY=VALUE that may be repeated sets."""
-    from reference_tracer.errors import InputError
+    from raytruth.reference_tracer.errors import InputError
 
     found = {}
     for item in items:
@@ -158,8 +158,8 @@ def _json_or_text(text: str):
 
 
 def _with_other_renderer(scene, arguments):
-    from comparisons import renderers
-    from comparisons.progress import Progress
+    from raytruth.comparisons import renderers
+    from raytruth.comparisons.progress import Progress
 
     settings = renderers.parsed(arguments.renderer, _by_key("--set", arguments.settings, "resolution=128"))
     near = renderers.nearest(scene, arguments.renderer)

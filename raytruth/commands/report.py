@@ -22,18 +22,18 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from reference_tracer.errors import InputError
+    from raytruth.reference_tracer.errors import InputError
 
     if (arguments.single_file is None) != (arguments.scene is None):
         raise InputError("--single-file and --scene belong together: name the file, and the scene that it shows")
-    import reports
-    from comparisons import results
+    from raytruth import reports
+    from raytruth.comparisons import results
 
     index = reports.build(arguments.results, arguments.output, against=arguments.against)
     if arguments.single_file is None:
         print(index)
         return 0
-    from reports.single import single_file
+    from raytruth.reports.single import single_file
 
     print(single_file(index.parent, results.read(arguments.results), arguments.scene, arguments.single_file))
     return 0

@@ -20,8 +20,8 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from reference_tracer.scene import library
-    from reference_tracer.scene.model import json_schema
+    from raytruth.reference_tracer.scene import library
+    from raytruth.reference_tracer.scene.model import json_schema
 
     if arguments.schema:
         print(json.dumps(json_schema(), indent=1, ensure_ascii=False))

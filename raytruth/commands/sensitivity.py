@@ -35,12 +35,12 @@ def add_arguments(parser):
 def run(arguments) -> int:
     import numpy as np
 
-    from comparisons.progress import Progress
-    from reference_tracer.scene.library import find
-    from reference_tracer.tracer import sensitivity as model
-    from reference_tracer.tracer.film import PLANES
-    from reference_tracer.tracer.render import render
-    from reference_tracer.writing import atomically
+    from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer.scene.library import find
+    from raytruth.reference_tracer.tracer import sensitivity as model
+    from raytruth.reference_tracer.tracer.film import PLANES
+    from raytruth.reference_tracer.tracer.render import render
+    from raytruth.reference_tracer.writing import atomically
 
     require_file(arguments.output, ".npz")
     scene = resized(find(arguments.scene), arguments.size)

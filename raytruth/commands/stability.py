@@ -31,10 +31,10 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.progress import Cases
-    from comparisons.stability import cases, measure
-    from comparisons.stability import document as documents
-    from reference_tracer.errors import InputError
+    from raytruth.comparisons.progress import Cases
+    from raytruth.comparisons.stability import cases, measure
+    from raytruth.comparisons.stability import document as documents
+    from raytruth.reference_tracer.errors import InputError
 
     if not measure.FEWEST_RAYS <= arguments.rays <= measure.MOST_RAYS:
         raise InputError(f"--rays: must be {measure.FEWEST_RAYS} to {measure.MOST_RAYS}; found {arguments.rays}")

@@ -32,9 +32,9 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.progress import Cases
-    from comparisons.transport import cases, measure
-    from comparisons.transport import document as documents
+    from raytruth.comparisons.progress import Cases
+    from raytruth.comparisons.transport import cases, measure
+    from raytruth.comparisons.transport import document as documents
 
     chosen = cases.find(arguments.case)
     folder = arguments.results or Path("results")

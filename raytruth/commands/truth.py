@@ -26,10 +26,10 @@ def add_arguments(parser):
 
 
 def run(arguments) -> int:
-    from comparisons.ports import bundle
-    from comparisons.ports.truth import Truths
-    from comparisons.progress import Progress
-    from reference_tracer.errors import InputError
+    from raytruth.comparisons.ports import bundle
+    from raytruth.comparisons.ports.truth import Truths
+    from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer.errors import InputError
 
     if arguments.files:
         print("\n".join(f"data/{name}" for name in bundle.files()))

@@ -1,6 +1,6 @@
 """How long kernels take to compile: known from what has been recorded, before it is compiled.
 
-`python -m reference_tracer.tracer.compilation [SCENE METHOD]...` measures what an operation takes.
+`python -m raytruth.reference_tracer.tracer.compilation [SCENE METHOD]...` measures what an operation takes.
 """
 
 from __future__ import annotations

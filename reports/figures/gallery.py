@@ -1,4 +1,4 @@
-"""One picture of all scenes, for the README: python -m reports.figures.gallery RESULTS FILE.png"""
+"""One picture of all scenes, for the README: python -m raytruth.reports.figures.gallery RESULTS FILE.png"""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from raytruth.comparisons.results import Results, read
+from raytruth.reference_tracer.tracer.image_files import load_npz, to_8_bit, write_8_bit
 from skimage.transform import resize
-
-from comparisons.results import Results, read
-from reference_tracer.tracer.image_files import load_npz, to_8_bit, write_8_bit
 
 COLUMNS, WIDTH, HEIGHT, GAP = 5, 240, 180, 6
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-
-from comparisons.execution.store import Store, UnwritableError
-from comparisons.results import Run
-from comparisons.verdicts import conditioning
-from comparisons.verdicts.pairs import accuracies
-from reference_tracer.tracer.image_files import to_8_bit, write_8_bit
+from raytruth.comparisons.execution.store import Store, UnwritableError
+from raytruth.comparisons.results import Run
+from raytruth.comparisons.verdicts import conditioning
+from raytruth.comparisons.verdicts.pairs import accuracies
+from raytruth.reference_tracer.tracer.image_files import to_8_bit, write_8_bit
 
 from ..cases import Case, ShownEffect
 from ..text.words import slug

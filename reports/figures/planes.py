@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from comparisons.results import Run
-from reference_tracer.tracer.render import UNDECIDED
+from raytruth.comparisons.results import Run
+from raytruth.reference_tracer.tracer.render import UNDECIDED
 
 SHAPES = {"color": 3, "t": 0, "normal": 3, "index": 0, "status": 0}  # channels; 0: a plain (h, w) plane
 

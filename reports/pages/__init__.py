@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from comparisons.document import Record
+from raytruth.comparisons.document import Record
 
 from . import changes, decisions, evidence, front, guide, matrix, plan, published, scenes, speed, stability, transport
 from .page import Page, Report, arrange

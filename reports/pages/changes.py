@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from comparisons.results import Comparison, Results
+from raytruth.comparisons.results import Comparison, Results
 
 from ..cases import Case
 from ..text.words import VERDICTS

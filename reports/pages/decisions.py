@@ -64,7 +64,7 @@ def pages(report: Report) -> list[Page]:
 
 def read_decisions() -> list[Decision]:
     """The rows of reference_tracer/DECISIONS.md, in its order."""
-    return parse(files("reference_tracer").joinpath("DECISIONS.md").read_text(encoding="utf-8"))
+    return parse(files("raytruth.reference_tracer").joinpath("DECISIONS.md").read_text(encoding="utf-8"))
 
 
 def parse(markdown: str) -> list[Decision]:

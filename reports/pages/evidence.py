@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from comparisons.attribution.document import FILE, Judgement, WrongOnPurpose, read
-from comparisons.results import SceneRecord
-from comparisons.transport import document as transport
-from comparisons.transport.document import CaseRecord
+from raytruth.comparisons.attribution.document import FILE, Judgement, WrongOnPurpose, read
+from raytruth.comparisons.results import SceneRecord
+from raytruth.comparisons.transport import document as transport
+from raytruth.comparisons.transport.document import CaseRecord
 
 from ..cases import Case
 from ..text.words import VERDICTS, Verdict, slug

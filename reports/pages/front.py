@@ -6,8 +6,8 @@ import math
 import statistics
 from dataclasses import dataclass
 
-from comparisons.results import Series
-from comparisons.stability.document import FILE as FAILURES
+from raytruth.comparisons.results import Series
+from raytruth.comparisons.stability.document import FILE as FAILURES
 
 from ..cases import Case, verdict_counts
 from ..figures.charts import Axis, Line, chart

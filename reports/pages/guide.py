@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from comparisons.verdicts.tolerances import table
+from raytruth.comparisons.verdicts.tolerances import table
 
 from ..text.words import GLOSSARY
 from .page import Page, Report

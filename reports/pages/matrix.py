@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from string import ascii_uppercase
 
-from comparisons.agreement.records import FILE, Dissent, Matrix, Member, Pair, Place, read
+from raytruth.comparisons.agreement.records import FILE, Dissent, Matrix, Member, Pair, Place, read
 
 from ..cases import Absence, absences
 from ..figures import scale

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 import numpy as np
-
-from comparisons.document import Record
-from comparisons.results import Results, SceneRecord
+from raytruth.comparisons.document import Record
+from raytruth.comparisons.results import Results, SceneRecord
 
 from ..cases import Absence, Case, ShownEffect, cases, effects, failed_runs
 from ..figures.pictures import ScenePictures

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-
-from comparisons.planning.document import FILE, Plan, Plans, read
+from raytruth.comparisons.planning.document import FILE, Plan, Plans, read
 
 from ..figures import scale
 from ..figures.planes import NoPlanes, load

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from comparisons.bench.document import Clock
-from comparisons.charting.document import FILE, Chart, Growth, Point, Series, Subject, Times, frontier, read
+from raytruth.comparisons.bench.document import Clock
+from raytruth.comparisons.charting.document import FILE, Chart, Growth, Point, Series, Subject, Times, frontier, read
 
 from ..figures.charts import Axis, Line, chart
 from ..text.numbers import parts

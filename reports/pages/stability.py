@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from comparisons.stability.document import (
+from raytruth.comparisons.stability.document import (
     FILE,
     KINDS,
     WRONG,

@@ -7,9 +7,8 @@ from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-
-from comparisons.transport.document import FILE, CaseRecord, read
-from reference_tracer.tracer.image_files import to_8_bit
+from raytruth.comparisons.transport.document import FILE, CaseRecord, read
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
 
 from ..figures import scale
 from ..figures.maps import Errors, color_error, spread

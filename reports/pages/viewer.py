@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 
-from comparisons.results import Run, SceneRecord
-from comparisons.verdicts.metrics import APART, WORST
+from raytruth.comparisons.results import Run, SceneRecord
+from raytruth.comparisons.verdicts.metrics import APART, WORST
 
 from ..cases import Case
 from ..figures import scale

@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 
 import drjit as dr
-
-from reference_tracer import first_hit
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer import first_hit
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
 
 
 def thing(kind: str, center=(0, 0, 0), material: dict | None = None, name: str = "", rotation: dict | None = None,

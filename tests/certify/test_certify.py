@@ -5,17 +5,16 @@ import json
 import numpy as np
 import pytest
 from certify_support import ClaimsTooMuch, IsOff, SkipsRoots, TakesSideFromSign, breaking, make_scene, mirror_and_glass, thing
-
-from reference_tracer.backend import backend
-from reference_tracer.certify import certify
-from reference_tracer.certify.text import told
-from reference_tracer.errors import InputError
-from reference_tracer.surfaces.outside import Outside
-from reference_tracer.tracer import rays, shading, wavefront
-from reference_tracer.tracer.camera_rays import camera_wave
-from reference_tracer.tracer.film import HIT
-from reference_tracer.tracer.render import render
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.certify import certify
+from raytruth.reference_tracer.certify.text import told
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.surfaces.outside import Outside
+from raytruth.reference_tracer.tracer import rays, shading, wavefront
+from raytruth.reference_tracer.tracer.camera_rays import camera_wave
+from raytruth.reference_tracer.tracer.film import HIT
+from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.tracer.world import World
 
 
 @pytest.fixture(scope="module")
@@ -130,7 +129,7 @@ def test_a_proof_that_claims_too_much_is_contradicted(monkeypatch):
 def test_a_box_that_cuts_its_surface_is_found(monkeypatch):
     """The proofs believe a formula's box, which is checked when a scene is read; python-flint does not look at it."""
     box = {"low": [-0.5, -1.1, -1.1], "high": [0.5, 1.1, 1.1]}
-    monkeypatch.setattr("reference_tracer.surfaces.expression.outside", lambda *_, **__: Outside(1))
+    monkeypatch.setattr("raytruth.reference_tracer.surfaces.expression.outside", lambda *_, **__: Outside(1))
     scene = make_scene(thing("expression", (0, 0, 3), {}, "cut ball", formula="x**2 + y**2 + z**2 - 1", bounds=box))
     certificate = certify(scene, sample=400, paths=0)
     assert ("proof contradicted", "primary", "cut ball") in _faults(certificate)

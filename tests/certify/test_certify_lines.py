@@ -5,14 +5,13 @@ import math
 import numpy as np
 import pytest
 from flint import arb, ctx
-
-from reference_tracer.certify.line import follow, ray_polynomial
-from reference_tracer.certify.origins import starts_along, starts_on
-from reference_tracer.certify.reasons import why
-from reference_tracer.surfaces.expression import Expression
-from reference_tracer.surfaces.heart import Heart
-from reference_tracer.surfaces.sphere import Sphere
-from reference_tracer.surfaces.torus import Torus
+from raytruth.reference_tracer.certify.line import follow, ray_polynomial
+from raytruth.reference_tracer.certify.origins import starts_along, starts_on
+from raytruth.reference_tracer.certify.reasons import why
+from raytruth.reference_tracer.surfaces.expression import Expression
+from raytruth.reference_tracer.surfaces.heart import Heart
+from raytruth.reference_tracer.surfaces.sphere import Sphere
+from raytruth.reference_tracer.surfaces.torus import Torus
 
 UP = (0.0, 0.0, 1.0)
 BELOW, ABOVE = math.nextafter(1, 0), math.nextafter(1, 2)

@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 from certify_support import TrustsItsSide, breaking, make_scene, thing
 from flint import ctx
-
-from reference_tracer.backend import backend
-from reference_tracer.certify import certify
-from reference_tracer.certify.census import Census
-from reference_tracer.certify.objects import crossings_of, local_rays
-from reference_tracer.certify.records import SHADOW, row_type, settled_within
-from reference_tracer.certify.run import take
-from reference_tracer.certify.verdict import decide
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.certify import certify
+from raytruth.reference_tracer.certify.census import Census
+from raytruth.reference_tracer.certify.objects import crossings_of, local_rays
+from raytruth.reference_tracer.certify.records import SHADOW, row_type, settled_within
+from raytruth.reference_tracer.certify.run import take
+from raytruth.reference_tracer.certify.verdict import decide
+from raytruth.reference_tracer.tracer.world import World
 
 BALL = "(x**2 + y**2/4 + z**2 - 1)"
 FORMS = {"fifth power": f"{BALL}**5", "product": f"{BALL}*{BALL}*{BALL}", "no polynomial": f"(exp{BALL} - 1)**3",

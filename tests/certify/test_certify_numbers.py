@@ -5,11 +5,10 @@ from fractions import Fraction
 
 import pytest
 from flint import arb, arb_series, fmpq
-
-from reference_tracer.certify.search import precision
-from reference_tracer.numbers import NotAlgebraic
-from reference_tracer.numbers import functions as fn
-from reference_tracer.numbers.exact import RationalPolynomial, Series, rational
+from raytruth.reference_tracer.certify.search import precision
+from raytruth.reference_tracer.numbers import NotAlgebraic
+from raytruth.reference_tracer.numbers import functions as fn
+from raytruth.reference_tracer.numbers.exact import RationalPolynomial, Series, rational
 
 
 def _fractions(polynomial) -> list[Fraction]:

@@ -5,9 +5,8 @@ from decimal import Decimal, getcontext
 import pytest
 from certify_support import make_scene, thing
 from flint import arb, ctx, fmpq
-
-from reference_tracer.certify.precise import Decision, PreciseTracer
-from reference_tracer.certify.records import NOTHING, PRIMARY, REFLECTION, REFRACTION
+from raytruth.reference_tracer.certify.precise import Decision, PreciseTracer
+from raytruth.reference_tracer.certify.records import NOTHING, PRIMARY, REFLECTION, REFRACTION
 
 getcontext().prec = 70
 

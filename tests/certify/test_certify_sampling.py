@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from reference_tracer.certify.records import KINDS, row_type
-from reference_tracer.certify.sample import Reservoir, edge_pixels, shares
+from raytruth.reference_tracer.certify.records import KINDS, row_type
+from raytruth.reference_tracer.certify.sample import Reservoir, edge_pixels, shares
 
 
 @pytest.mark.parametrize("available, goal, expected", [

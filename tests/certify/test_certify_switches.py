@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from certify_support import make_scene, mirror_and_glass, thing
 from flint import arb, ctx
-
-from reference_tracer.certify import certify
-from reference_tracer.certify.precise import PreciseTracer
-from reference_tracer.tracer import world as worlds
-from reference_tracer.tracer.families import Family
-from reference_tracer.tracer.optics import Optics
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.certify import certify
+from raytruth.reference_tracer.certify.precise import PreciseTracer
+from raytruth.reference_tracer.tracer import world as worlds
+from raytruth.reference_tracer.tracer.families import Family
+from raytruth.reference_tracer.tracer.optics import Optics
+from raytruth.reference_tracer.tracer.world import World
 
 TWO = (((2, 3, -2), 0.8), ((-2, 2, 0), 0.7))
 OBLIQUE = {"v_x": (1.0, 0.0, 0.0), "v_y": (0.15, 1.0, 0.0), "direction": (0.1, -0.1, 1.0)}

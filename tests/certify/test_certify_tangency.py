@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from certify_support import make_scene, thing
 from flint import ctx
-
-from reference_tracer.backend import backend
-from reference_tracer.certify.objects import Radius, local_rays, ray_of
-from reference_tracer.certify.records import numpy, row_type
-from reference_tracer.certify.verdict import decide
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.certify.objects import Radius, local_rays, ray_of
+from raytruth.reference_tracer.certify.records import numpy, row_type
+from raytruth.reference_tracer.certify.verdict import decide
+from raytruth.reference_tracer.tracer.world import World
 
 TURNED = {"axis": [1, 2, -0.5], "degrees": 33}
 THINGS = {

@@ -11,9 +11,8 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.tracer.render import Picture
-from reference_tracer.tracer.render import render as trace
+from raytruth.reference_tracer.tracer.render import Picture
+from raytruth.reference_tracer.tracer.render import render as trace
 
 WAYS = {  # the state a run must get, and a word of its message
     "segfault": ("crashed", "SIGSEGV"),
@@ -120,10 +119,10 @@ def _bytes(way: str) -> bytes:
 
 
 if __name__ == "__main__":
-    from comparisons import renderers
-    from comparisons.execution import worker
+    from raytruth.comparisons import renderers
+    from raytruth.comparisons.execution import worker
 
-    sys.modules["comparisons.renderers.misbehaving"] = sys.modules["__main__"]
+    sys.modules["raytruth.comparisons.renderers.misbehaving"] = sys.modules["__main__"]
     for known in (*WAYS, "dim"):
         renderers.RENDERERS[known] = renderers.Renderer(known, f"the renderer with {known}", "misbehaving", {"way": known})
     worker.main()

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 
 import drjit as dr
 import numpy as np
-
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer import render as rendering
-from reference_tracer.tracer.rays import Ray
-from reference_tracer.tracer.render import Picture
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer import render as rendering
+from raytruth.reference_tracer.tracer.rays import Ray
+from raytruth.reference_tracer.tracer.render import Picture
+from raytruth.reference_tracer.tracer.world import World
 
 SCENE = parse_scene(b"""{"name": "mixed", "camera": {"width": 96, "height": 72}, "background": [0.1, 0.15, 0.2],
     "objects": [{"surface": {"type": "plane", "center": [0, -1, 0], "a": 0, "b": 1, "c": 0}, "material": {"color": [0.6, 0.7, 0.5]}},

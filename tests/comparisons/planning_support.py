@@ -3,8 +3,8 @@
 import json
 import time
 
-from comparisons.planning.search import Search, Yardstick, deciding
-from reference_tracer.scene.model import Scene
+from raytruth.comparisons.planning.search import Search, Yardstick, deciding
+from raytruth.reference_tracer.scene.model import Scene
 
 WIDTH, HEIGHT = 32, 24
 FLOOR = {"name": "floor", "surface": {"type": "plane", "center": [0, -1, 0], "a": 0, "b": 1, "c": 0}}

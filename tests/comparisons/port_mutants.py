@@ -14,11 +14,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-
-from comparisons.bench import port
-from converters.plain import plain
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
+from raytruth.comparisons.bench import port
+from raytruth.converters.plain import plain
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
 
 SCENE = parse_scene(b"""{"name": "every-effect", "background": [0.1, 0.15, 0.2],
   "camera": {"width": 80, "height": 60, "position": [0, 0.5, -1], "direction": [0.1, -0.12, 1]},

@@ -6,17 +6,17 @@ import shutil
 
 import numpy as np
 import pytest
+from raytruth.comparisons import results, suite
+from raytruth.comparisons.agreement import records
+from raytruth.comparisons.execution.pool import Pool
+from raytruth.comparisons.runs import Request, RunStore
+from raytruth.comparisons.stability import document as stability
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.tracer.image_files import load_npz
+from raytruth.reference_tracer.tracer.render import render
 
-from comparisons import results, suite
-from comparisons.agreement import records
-from comparisons.execution.pool import Pool
-from comparisons.runs import Request, RunStore
-from comparisons.stability import document as stability
 from raytruth.cli import main
-from reference_tracer.scene import library
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.tracer.image_files import load_npz
-from reference_tracer.tracer.render import render
 
 
 def scene(name, radius=1.0):

@@ -5,15 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from comparisons.attribution import cases, derived
-from comparisons.attribution.bounds import SINGLE, accuracy_of, bounds
-from comparisons.attribution.document import STAGES
-from comparisons.attribution.measure import attribute, of_fault, of_renderer
-from comparisons.attribution.stages import Pictures
-from reference_tracer.errors import InputError
-from reference_tracer.scene import library
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.attribution import cases, derived
+from raytruth.comparisons.attribution.bounds import SINGLE, accuracy_of, bounds
+from raytruth.comparisons.attribution.document import STAGES
+from raytruth.comparisons.attribution.measure import attribute, of_fault, of_renderer
+from raytruth.comparisons.attribution.stages import Pictures
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.render import render
 
 ISSUE = {"y-flipped": "camera", "normal-not-turned": "normal", "shadow-once": "shadow", "as-printed": "refraction",
          "no-1-minus-r": "mixing"}
@@ -151,7 +150,7 @@ def test_derived_scenes_leave_later_stages_nothing_to_do():
 def test_an_object_is_looked_at_from_within():
     scene = effect("total-reflection", 60, 45)
     picture = right(derived.geometry(scene))
-    from reference_tracer.scene.placement import is_inside
+    from raytruth.reference_tracer.scene.placement import is_inside
 
     for k in (1, 2):  # a ball holds its own centre, a ring does not
         inner = derived.within(scene, k, {"index": picture.index, "t": picture.t})

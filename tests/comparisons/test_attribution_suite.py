@@ -3,16 +3,15 @@
 import sys
 
 import pytest
-
-from comparisons import suite
-from comparisons.attribution import cases, document, measure
-from comparisons.attribution.measure import Task, make_all
-from comparisons.execution import pool
-from comparisons.execution.pool import Pool
-from comparisons.results import Gate
-from reference_tracer.scene import library
-from reference_tracer.tracer.optics import Optics
-from reference_tracer.tracer.world import World
+from raytruth.comparisons import suite
+from raytruth.comparisons.attribution import cases, document, measure
+from raytruth.comparisons.attribution.measure import Task, make_all
+from raytruth.comparisons.execution import pool
+from raytruth.comparisons.execution.pool import Pool
+from raytruth.comparisons.results import Gate
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.optics import Optics
+from raytruth.reference_tracer.tracer.world import World
 
 SCENE = library.scene("effect-mixing").resized(40, 30)
 CRASH = (sys.executable, "-c", "import os, sys; sys.stdin.readline(); os.abort()")

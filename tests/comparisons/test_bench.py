@@ -4,17 +4,16 @@ import json
 import math
 
 import pytest
-
-from comparisons import document
-from comparisons.bench import cases, measure
-from comparisons.bench import document as accepted
-from comparisons.bench.__main__ import line, main
-from comparisons.bench.cases import Options
-from comparisons.bench.document import Bench, Row
-from comparisons.bench.timing import Contestant, Cost, Measured, interleave, judged, row
-from comparisons.execution.machine import machine
-from reference_tracer.errors import InputError
-from reference_tracer.scene import library
+from raytruth.comparisons import document
+from raytruth.comparisons.bench import cases, measure
+from raytruth.comparisons.bench import document as accepted
+from raytruth.comparisons.bench.__main__ import line, main
+from raytruth.comparisons.bench.cases import Options
+from raytruth.comparisons.bench.document import Bench, Row
+from raytruth.comparisons.bench.timing import Contestant, Cost, Measured, interleave, judged, row
+from raytruth.comparisons.execution.machine import machine
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene import library
 
 
 def contestant(name, costs, log, compiles=False):

@@ -2,18 +2,17 @@
 
 import numpy as np
 import pytest
-
-from comparisons.bench.document import Spread
-from comparisons.charting.cases import FORMULAS, surface
-from comparisons.charting.competitors import Ours, competitor
-from comparisons.charting.document import Accuracy, Point, Series, Times, clock, frontier
-from comparisons.charting.findings import findings
-from comparisons.charting.measure import interleave
-from comparisons.charting.truth import OTHER_ROOT, Truth, accuracy, make, uncertainty
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.model import Camera, Object, Scene, Tracing
-from reference_tracer.surfaces.expression import Expression
-from reference_tracer.surfaces.sphere import Sphere
+from raytruth.comparisons.bench.document import Spread
+from raytruth.comparisons.charting.cases import FORMULAS, surface
+from raytruth.comparisons.charting.competitors import Ours, competitor
+from raytruth.comparisons.charting.document import Accuracy, Point, Series, Times, clock, frontier
+from raytruth.comparisons.charting.findings import findings
+from raytruth.comparisons.charting.measure import interleave
+from raytruth.comparisons.charting.truth import OTHER_ROOT, Truth, accuracy, make, uncertainty
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.scene.model import Camera, Object, Scene, Tracing
+from raytruth.reference_tracer.surfaces.expression import Expression
+from raytruth.reference_tracer.surfaces.sphere import Sphere
 
 SHAPE = 10, 20
 

@@ -5,14 +5,13 @@ import sys
 
 import numpy as np
 import pytest
+from raytruth.comparisons.charting import document as results
+from raytruth.comparisons.charting import measure
+from raytruth.comparisons.charting.cases import REFERENCE_SAMPLES, SWEEPS, Charted, Study, Sweep, chosen, studies
+from raytruth.comparisons.execution import pool
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.load import parse_scene
 from workers import exit_code
-
-from comparisons.charting import document as results
-from comparisons.charting import measure
-from comparisons.charting.cases import REFERENCE_SAMPLES, SWEEPS, Charted, Study, Sweep, chosen, studies
-from comparisons.execution import pool
-from reference_tracer.errors import InputError
-from reference_tracer.scene.load import parse_scene
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 32, "height": 24}, "tracing": {"max_distance": 8},
@@ -28,8 +27,8 @@ SWEPT = (PAPER, CHOSEN["exact"], CHOSEN["interval"], ABSENT, CHOSEN["crude"], CH
 
 CRASHING = """
 import os, signal
-from comparisons.charting import competitors
-from comparisons.execution import worker
+from raytruth.comparisons.charting import competitors
+from raytruth.comparisons.execution import worker
 ours = competitors.Ours.run
 def run(self, warm=False):
     if self.method == "interval":

@@ -9,17 +9,17 @@ import numpy as np
 import port_mutants
 import pytest
 from port_mutants import CHANGES, SCENE, SCENES, WRITERS
+from raytruth.comparisons.ports import image_check
+from raytruth.comparisons.ports.image_check import check, likely_cause
+from raytruth.comparisons.ports.mistaken import Tracers, rendered
+from raytruth.comparisons.ports.mistakes import CATALOGUE, SWITCHES
+from raytruth.comparisons.ports.picture import FinishedPicture
+from raytruth.reference_tracer.errors import MissingError
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.image_files import to_8_bit, write_8_bit
+from raytruth.reference_tracer.tracer.render import render
 
-from comparisons.ports import image_check
-from comparisons.ports.image_check import check, likely_cause
-from comparisons.ports.mistaken import Tracers, rendered
-from comparisons.ports.mistakes import CATALOGUE, SWITCHES
-from comparisons.ports.picture import FinishedPicture
 from raytruth.cli import main
-from reference_tracer.errors import MissingError
-from reference_tracer.scene import library
-from reference_tracer.tracer.image_files import to_8_bit, write_8_bit
-from reference_tracer.tracer.render import render
 
 SAMPLED = SCENE.resized(40, 30, 2)
 OF_SAMPLES = ("samples-at-corners", "divided-by-n")

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from comparisons.effects import ALTERNATIVES, requests
-from reference_tracer.scene import library
-from reference_tracer.scene.model import Camera, Tracing
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.effects import ALTERNATIVES, requests
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.model import Camera, Tracing
+from raytruth.reference_tracer.tracer.render import render
 
 SWITCHES = {"F1": "lights", "F2": "ambient", "F3": "shadows", "F4": "range"}
 OF_FIGURES = [a for a in ALTERNATIVES if a.decision.startswith("F")]

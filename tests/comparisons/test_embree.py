@@ -4,16 +4,15 @@ import sys
 
 import numpy as np
 import pytest
-
-from comparisons.renderers import embree, mitsuba
-from comparisons.verdicts import metrics
-from converters.embree import EmbreeIntersector, Solid, convert
-from converters.embree.crossings import Start
-from converters.mesh import mesh_object
-from reference_tracer.errors import MissingError
-from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
-from reference_tracer.surfaces import Plane, Sphere, Torus
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.renderers import embree, mitsuba
+from raytruth.comparisons.verdicts import metrics
+from raytruth.converters.embree import EmbreeIntersector, Solid, convert
+from raytruth.converters.embree.crossings import Start
+from raytruth.converters.mesh import mesh_object
+from raytruth.reference_tracer.errors import MissingError
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
+from raytruth.reference_tracer.surfaces import Plane, Sphere, Torus
+from raytruth.reference_tracer.tracer.render import render
 
 FLOOR = Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0)
 

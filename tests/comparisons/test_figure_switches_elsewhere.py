@@ -5,14 +5,13 @@ from functools import partial
 
 import numpy as np
 import pytest
-
-from comparisons.renderers import embree, mitsuba
-from converters.mitsuba import convert, document_directions, sensor
-from converters.mitsuba.dressed import dressed
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
-from reference_tracer.surfaces import Plane, Sphere
-from reference_tracer.tracer.render import UNDECIDED, render
+from raytruth.comparisons.renderers import embree, mitsuba
+from raytruth.converters.mitsuba import convert, document_directions, sensor
+from raytruth.converters.mitsuba.dressed import dressed
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Scene, Tracing
+from raytruth.reference_tracer.surfaces import Plane, Sphere
+from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 
 MAKE = {"mitsuba": partial(mitsuba.render, shapes="native", repeat=False), "embree": partial(embree.render, resolution=32)}
 EXACT = {"mitsuba": 2e-6, "embree": 1e-12}  # of planes

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from comparisons import renderers
-from comparisons.attribution import followed
-from reference_tracer.scene import library
-from reference_tracer.tracer.image_files import save_npz
+from raytruth.comparisons import renderers
+from raytruth.comparisons.attribution import followed
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.image_files import save_npz
 
 PLACES = [[10, 20, 0.1], [12, 16, 0.2], [17, 9, float("nan")]]
 

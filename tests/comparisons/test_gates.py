@@ -4,14 +4,13 @@ from dataclasses import astuple
 
 import numpy as np
 import pytest
-
-from comparisons.results import Run
-from comparisons.verdicts import metrics, tolerances
-from comparisons.verdicts.conditioning import Limits, apart
-from comparisons.verdicts.judge import judge
-from comparisons.verdicts.metrics import GRAZING
-from comparisons.verdicts.tolerances import MESH, NATIVE, unmeasured
-from reference_tracer.tracer.render import UNDECIDED
+from raytruth.comparisons.results import Run
+from raytruth.comparisons.verdicts import metrics, tolerances
+from raytruth.comparisons.verdicts.conditioning import Limits, apart
+from raytruth.comparisons.verdicts.judge import judge
+from raytruth.comparisons.verdicts.metrics import GRAZING
+from raytruth.comparisons.verdicts.tolerances import MESH, NATIVE, unmeasured
+from raytruth.reference_tracer.tracer.render import UNDECIDED
 
 SIDE = 64
 

@@ -1,9 +1,8 @@
 """Who is the odd one out: votes by hand."""
 
 import pytest
-
-from comparisons.results import Run
-from comparisons.verdicts.majority import odd_ones, stages_of
+from raytruth.comparisons.results import Run
+from raytruth.comparisons.verdicts.majority import odd_ones, stages_of
 
 ALL = {"exact": frozenset({"reference", "exact hits"}), "paper": frozenset({"reference", "literal hits"}),
        "native": frozenset({"foreign", "mitsuba", "shapes"}), "mesh": frozenset({"foreign", "mitsuba", "meshes"}),

@@ -3,18 +3,17 @@
 import json
 
 import pytest
+from raytruth.comparisons import renderers, suite
+from raytruth.comparisons.agreement import records, tightness
+from raytruth.comparisons.execution import pool
+from raytruth.comparisons.execution.pool import Silent
+from raytruth.comparisons.results import Run
+from raytruth.comparisons.runs import Request
+from raytruth.comparisons.verdicts.pairs import Measured
+from raytruth.comparisons.verdicts.tolerances import DOUBLE, MESH, NATIVE, TRACERS, Tolerance, between
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.load import parse_scene
 from workers import MISBEHAVING
-
-from comparisons import renderers, suite
-from comparisons.agreement import records, tightness
-from comparisons.execution import pool
-from comparisons.execution.pool import Silent
-from comparisons.results import Run
-from comparisons.runs import Request
-from comparisons.verdicts.pairs import Measured
-from comparisons.verdicts.tolerances import DOUBLE, MESH, NATIVE, TRACERS, Tolerance, between
-from reference_tracer.errors import InputError
-from reference_tracer.scene.load import parse_scene
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 48, "height": 32},

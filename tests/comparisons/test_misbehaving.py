@@ -11,15 +11,15 @@ from pathlib import Path
 
 import pytest
 from misbehaving import WAYS
+from raytruth.comparisons import renderers
+from raytruth.comparisons.execution import pool
+from raytruth.comparisons.execution.pool import Pool
+from raytruth.comparisons.execution.process import Worker
+from raytruth.comparisons.runs import Request, RunStore
+from raytruth.reference_tracer.scene.load import parse_scene
 from workers import MISBEHAVING, interruptible
 
-from comparisons import renderers
-from comparisons.execution import pool
-from comparisons.execution.pool import Pool
-from comparisons.execution.process import Worker
-from comparisons.runs import Request, RunStore
 from raytruth.cli import main
-from reference_tracer.scene.load import parse_scene
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},
@@ -94,8 +94,8 @@ from misbehaving import WAYS
 from test_misbehaving import SCENE
 from workers import MISBEHAVING
 from pathlib import Path
-from comparisons import renderers, suite
-from comparisons.execution import pool
+from raytruth.comparisons import renderers, suite
+from raytruth.comparisons.execution import pool
 renderers.RENDERERS["hang with a child"] = renderers.Renderer(
     "hang with a child", "", "misbehaving", {{"way": "hang with a child"}})
 pool.COMMAND = MISBEHAVING
@@ -114,7 +114,7 @@ suite.compare([SCENE], suite.Options(Path({str(tmp_path)!r}), renderers=("hang w
 
 def test_a_suite_that_is_killed_takes_its_renderers_along(tmp_path):
     # a worker whose parent is gone has nobody to answer to, even while a renderer never returns
-    program = "import sys, subprocess, time; p = subprocess.Popen([sys.executable, '-m', 'comparisons.execution.worker'], " \
+    program = "import sys, subprocess, time; p = subprocess.Popen([sys.executable, '-m', 'raytruth.comparisons.execution.worker'], " \
               "stdin=subprocess.PIPE, process_group=0); print(p.pid, p.stdin.fileno(), flush=True); time.sleep(60)"
     parent = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE)
     worker, pipe = map(int, parent.stdout.readline().split())
@@ -159,7 +159,7 @@ def test_a_second_answer_is_not_taken_for_the_next_request():
 def test_facts_that_are_none_cost_their_own_case(tmp_path, monkeypatch, facts):
     program = f"""
 import json, sys
-from comparisons.execution.worker import answer
+from raytruth.comparisons.execution.worker import answer
 for line in sys.stdin:
     print(json.dumps({{**answer(json.loads(line)), "facts": {facts}}}), flush=True)"""
     monkeypatch.setattr(pool, "COMMAND", (sys.executable, "-c", program))

@@ -4,18 +4,18 @@ import json
 import shutil
 
 import pytest
+from raytruth.comparisons import renderers, suite
+from raytruth.comparisons.agreement import records
+from raytruth.comparisons.agreement.tightness import HELD
+from raytruth.comparisons.attribution.explain import explained
+from raytruth.comparisons.renderers import RENDERERS, povray
+from raytruth.comparisons.renderers.expressible import EMBREE, MITSUBA, POVRAY
+from raytruth.converters.povray import convert
+from raytruth.reference_tracer.errors import UnsupportedError
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Tracing
 
-from comparisons import renderers, suite
-from comparisons.agreement import records
-from comparisons.agreement.tightness import HELD
-from comparisons.attribution.explain import explained
-from comparisons.renderers import RENDERERS, povray
-from comparisons.renderers.expressible import EMBREE, MITSUBA, POVRAY
-from converters.povray import convert
 from raytruth.__main__ import main
-from reference_tracer.errors import UnsupportedError
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Tracing
 
 BALL = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},
@@ -112,7 +112,7 @@ def test_against_the_scene_as_written_it_would_differ(tmp_path, monkeypatch):
 def test_what_differs_is_attributed_on_the_nearest_scene(results, monkeypatch):
     found, _ = results
     asked = []
-    monkeypatch.setattr("comparisons.attribution.explain.make_all", lambda tasks, *_: asked.extend(tasks) or dict.fromkeys(
+    monkeypatch.setattr("raytruth.comparisons.attribution.explain.make_all", lambda tasks, *_: asked.extend(tasks) or dict.fromkeys(
         tasks, type("Answer", (), {"judged": None})))
     differing = [c.model_copy(update={"verdict": "differs"}) for c in found.comparisons]
     explained(differing, [BALANCED], {run.key: run for run in found.runs}, None, None)

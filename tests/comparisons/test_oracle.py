@@ -5,17 +5,17 @@ import sys
 
 import numpy as np
 import pytest
+from raytruth.comparisons import suite
+from raytruth.comparisons.agreement import records
+from raytruth.comparisons.execution import pool
+from raytruth.comparisons.execution.store import Store
+from raytruth.comparisons.verdicts import oracle
+from raytruth.comparisons.verdicts.judge import literal
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.tracer.render import render
 
-from comparisons import suite
-from comparisons.agreement import records
-from comparisons.execution import pool
-from comparisons.execution.store import Store
-from comparisons.verdicts import oracle
-from comparisons.verdicts.judge import literal
 from raytruth.cli import main
-from reference_tracer.scene import library
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.tracer.render import render
 
 # a mirror and a matte ball over a floor; steps of 0.7 miss rims and shadows
 SCENE = parse_scene(json.dumps({
@@ -141,8 +141,8 @@ def test_where_newton_follows_noise_rounding_explains_a_distance(tmp_path):
 
 LOSES = """
 import numpy as np
-from comparisons import renderers
-from comparisons.execution import worker
+from raytruth.comparisons import renderers
+from raytruth.comparisons.execution import worker
 right = renderers.render
 def render(name, scene, settings=None):
     picture = right(name, scene, settings)

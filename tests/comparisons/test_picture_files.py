@@ -8,12 +8,11 @@ import zlib
 
 import numpy as np
 import pytest
-
-from comparisons.ports.picture import read
-from reference_tracer.errors import InputError
-from reference_tracer.scene import library
-from reference_tracer.tracer.image_files import save, write_8_bit
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.ports.picture import read
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.image_files import save, write_8_bit
+from raytruth.reference_tracer.tracer.render import render
 
 COLOR = np.random.default_rng(3).uniform(0, 1.4, (6, 8, 3))
 

@@ -5,14 +5,13 @@ import json
 import drjit as dr
 import numpy as np
 import pytest
-
-from comparisons.execution.store import Store
-from comparisons.verdicts import conditioning as module
-from comparisons.verdicts.conditioning import Accuracy, apart, limits
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.tracer.render import UNDECIDED, Renderer, render
-from reference_tracer.tracer.sensitivity import Displaced, Perturbations
-from reference_tracer.tracer.world import World
+from raytruth.comparisons.execution.store import Store
+from raytruth.comparisons.verdicts import conditioning as module
+from raytruth.comparisons.verdicts.conditioning import Accuracy, apart, limits
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.tracer.render import UNDECIDED, Renderer, render
+from raytruth.reference_tracer.tracer.sensitivity import Displaced, Perturbations
+from raytruth.reference_tracer.tracer.world import World
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 48, "height": 36},

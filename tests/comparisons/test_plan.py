@@ -5,17 +5,17 @@ import json
 import numpy as np
 import pytest
 from planning_support import BALL, HEIGHT, WIDTH, corridor, scene
+from raytruth.comparisons.bench.document import Spread
+from raytruth.comparisons.planning import document as results
+from raytruth.comparisons.planning import measure
+from raytruth.comparisons.planning.search import Decision, Search, Yardstick, deciding
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.load import load_scene
+from raytruth.reference_tracer.tracer.render import render
 from workers import exit_code
 
-from comparisons.bench.document import Spread
-from comparisons.planning import document as results
-from comparisons.planning import measure
-from comparisons.planning.search import Decision, Search, Yardstick, deciding
 from raytruth.cli import main
 from raytruth.commands.plan import FEWEST_TURNS, text
-from reference_tracer.errors import InputError
-from reference_tracer.scene.load import load_scene
-from reference_tracer.tracer.render import render
 
 TOLERANCE = 1e-3
 

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 from planning_support import BALL, FLOOR, HEIGHT, REFLECTION, WIDTH, corridor, scene, searching
-
-from comparisons.planning.decisions import (
+from raytruth.comparisons.planning.decisions import (
     cheapest,
     cutoff,
     effects,
@@ -19,7 +18,7 @@ from comparisons.planning.decisions import (
     samples,
     shadows,
 )
-from comparisons.planning.search import MOST_EXCUSED, OutOfTime, RayStatistics, Yardstick, deciding
+from raytruth.comparisons.planning.search import MOST_EXCUSED, OutOfTime, RayStatistics, Yardstick, deciding
 
 EVERY = np.ones((HEIGHT, WIDTH), bool)
 NEEDED = 3  # generations: without those beyond a pixel changes by R^4 = 1e-4; one less and it is R^3 = 1e-3, too much

@@ -9,13 +9,12 @@ import time
 from pathlib import Path
 
 import pytest
+from raytruth.comparisons.execution import pool
+from raytruth.comparisons.execution.pool import Pool, Silent, Task, complete
+from raytruth.comparisons.execution.store import Store, UnwritableError
+from raytruth.comparisons.progress import Cases
 from test_misbehaving import alive, wait_until_gone
 from workers import child, interruptible
-
-from comparisons.execution import pool
-from comparisons.execution.pool import Pool, Silent, Task, complete
-from comparisons.execution.store import Store, UnwritableError
-from comparisons.progress import Cases
 
 DOES = """
 do = arguments["do"]
@@ -138,12 +137,12 @@ def test_what_a_worker_tells_on_its_way_is_passed_on(monkeypatch):
 
 # --- interruption ----------------------------------------------------------------------------------------------------
 SUITES = {
-    "compare": "from comparisons import suite\nsuite.compare([SCENE], suite.Options(folder, with_studies=False))",
-    "transport": "from comparisons.transport import cases, measure\nmeasure.run(cases.find([]), folder)",
-    "stability": "from comparisons.stability import cases, measure\nmeasure.run(cases.find([]), folder)",
-    "attribute": "from comparisons.attribution.measure import wrong_on_purpose\nwrong_on_purpose(folder)",
-    "chart": "from comparisons.charting import cases, measure\nmeasure.run(cases.chosen([], False, (32, 24)), [], measure.Options(folder))",
-    "plan": "from comparisons.planning import measure\nlist(measure.run([SCENE], 1e-3, folder))",
+    "compare": "from raytruth.comparisons import suite\nsuite.compare([SCENE], suite.Options(folder, with_studies=False))",
+    "transport": "from raytruth.comparisons.transport import cases, measure\nmeasure.run(cases.find([]), folder)",
+    "stability": "from raytruth.comparisons.stability import cases, measure\nmeasure.run(cases.find([]), folder)",
+    "attribute": "from raytruth.comparisons.attribution.measure import wrong_on_purpose\nwrong_on_purpose(folder)",
+    "chart": "from raytruth.comparisons.charting import cases, measure\nmeasure.run(cases.chosen([], False, (32, 24)), [], measure.Options(folder))",
+    "plan": "from raytruth.comparisons.planning import measure\nlist(measure.run([SCENE], 1e-3, folder))",
 }
 
 
@@ -151,7 +150,7 @@ def suite(name: str, folder: Path, **how) -> subprocess.Popen:
     """A suite whose every worker notes its id and hangs."""
     hanging = (sys.executable, "-c", f"""
 import os, time
-from comparisons.execution import worker
+from raytruth.comparisons.execution import worker
 def answer(request):
     with open({str(folder / 'note')!r}, "a") as note:
         note.write(f"{{os.getpid()}}\\n")
@@ -160,7 +159,7 @@ worker.answer = answer
 worker.main()
 """)
     program = (f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\nfrom pathlib import Path\n"
-               f"from test_misbehaving import SCENE\nfrom comparisons.execution import pool\npool.COMMAND = {hanging!r}\n"
+               f"from test_misbehaving import SCENE\nfrom raytruth.comparisons.execution import pool\npool.COMMAND = {hanging!r}\n"
                f"folder = Path({str(folder)!r})\nprint('here', flush=True)\n{SUITES[name]}")
     return subprocess.Popen([sys.executable, "-c", program], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, **how)
 

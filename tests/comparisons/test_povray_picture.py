@@ -6,15 +6,14 @@ import stat
 
 import numpy as np
 import pytest
-
-from comparisons.renderers import povray, povray_process
-from comparisons.renderers.povray_process import PovrayError, run
-from converters.povray import convert
-from reference_tracer.errors import MissingError
-from reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Scene, Tracing
-from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
-from reference_tracer.surfaces.expression import Bounds
-from reference_tracer.tracer.render import UNDECIDED, render
+from raytruth.comparisons.renderers import povray, povray_process
+from raytruth.comparisons.renderers.povray_process import PovrayError, run
+from raytruth.converters.povray import convert
+from raytruth.reference_tracer.errors import MissingError
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Scene, Tracing
+from raytruth.reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from raytruth.reference_tracer.surfaces.expression import Bounds
+from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 
 needs_povray = pytest.mark.skipif(shutil.which("povray") is None, reason="POV-Ray is not installed")
 

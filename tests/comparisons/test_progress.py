@@ -9,9 +9,8 @@ import threading
 import time
 
 import pytest
-
-from comparisons import progress as module
-from comparisons.progress import Progress
+from raytruth.comparisons import progress as module
+from raytruth.comparisons.progress import Progress
 
 
 def until(condition, seconds=30):
@@ -81,7 +80,7 @@ def test_where_nothing_was_finished_of_late_only_a_least_time_is_told():
 
 def test_a_terminal_shows_a_bar_and_is_left_clean():
     """In a child with a terminal of its own: the bar appears, a logged line stays, the cursor comes back."""
-    program = ("import time; from comparisons.progress import Progress\n"
+    program = ("import time; from raytruth.comparisons.progress import Progress\n"
                "with Progress(4, label='ball [x]') as bar:\n"
                "    bar.to(2); time.sleep(.5); bar.log('case: agrees'); bar.close(); bar.to(3)\n")
     ours, theirs = pty.openpty()

@@ -7,18 +7,18 @@ from dataclasses import replace
 import drjit as dr
 import pytest
 from flint import arb
+from raytruth.comparisons.random_scenes import grammar, suite, worker
+from raytruth.comparisons.random_scenes.arithmetic import Formula, Taylor, rational
+from raytruth.comparisons.random_scenes.judge import Judge
+from raytruth.comparisons.random_scenes.oracle import NOTHING, NotDefined, Oracle, Unsettled, exactly
+from raytruth.reference_tracer.first_hit import bounded_quadric, segments
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.tracer.families import Member
+from raytruth.reference_tracer.tracer.rays import Sides
+from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.tracer.world import World
 
-from comparisons.random_scenes import grammar, suite, worker
-from comparisons.random_scenes.arithmetic import Formula, Taylor, rational
-from comparisons.random_scenes.judge import Judge
-from comparisons.random_scenes.oracle import NOTHING, NotDefined, Oracle, Unsettled, exactly
 from raytruth.cli import main
-from reference_tracer.first_hit import bounded_quadric, segments
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.tracer.families import Member
-from reference_tracer.tracer.rays import Sides
-from reference_tracer.tracer.render import render
-from reference_tracer.tracer.world import World
 
 FEW = (16, 32, 88, 128, 136, 144, 168, 184, 208, 216)  # of many kinds
 

@@ -3,19 +3,18 @@
 import numpy as np
 import pytest
 from mutants import MUTANTS, SCENE, right
-
-from comparisons import renderers
-from comparisons.attribution.measure import attribute
-from comparisons.execution.store import Store
-from comparisons.results import OF_OBJECTS
-from comparisons.verdicts import conditioning, metrics
-from comparisons.verdicts.conditioning import Accuracy
-from comparisons.verdicts.judge import judge
-from comparisons.verdicts.metrics import largest_around
-from comparisons.verdicts.pictures import verdict_on
-from comparisons.verdicts.tolerances import MESH, NATIVE
-from reference_tracer.tracer.render import render
-from reference_tracer.tracer.sensitivity import ORIGIN_UNITS, UNIT, perturbed
+from raytruth.comparisons import renderers
+from raytruth.comparisons.attribution.measure import attribute
+from raytruth.comparisons.execution.store import Store
+from raytruth.comparisons.results import OF_OBJECTS
+from raytruth.comparisons.verdicts import conditioning, metrics
+from raytruth.comparisons.verdicts.conditioning import Accuracy
+from raytruth.comparisons.verdicts.judge import judge
+from raytruth.comparisons.verdicts.metrics import largest_around
+from raytruth.comparisons.verdicts.pictures import verdict_on
+from raytruth.comparisons.verdicts.tolerances import MESH, NATIVE
+from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.tracer.sensitivity import ORIGIN_UNITS, UNIT, perturbed
 
 
 @pytest.fixture(scope="module")

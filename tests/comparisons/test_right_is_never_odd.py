@@ -6,9 +6,9 @@ The shell of a gyroid, whose meshes are far off and one vote, takes minutes: `ra
 import json
 import shutil
 
-from comparisons import suite
-from comparisons.agreement import records
-from reference_tracer.scene.load import parse_scene
+from raytruth.comparisons import suite
+from raytruth.comparisons.agreement import records
+from raytruth.reference_tracer.scene.load import parse_scene
 
 
 def formula(text, rotation=None, half=1.1, **more):

@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from raytruth.comparisons import runs, suite
+from raytruth.comparisons.execution import code, store
+from raytruth.comparisons.execution.code import closure
+from raytruth.comparisons.execution.pool import Silent
+from raytruth.comparisons.execution.store import Store, UnwritableError, atomically
+from raytruth.comparisons.results import Run, Timing
+from raytruth.comparisons.runs import Request
+from raytruth.reference_tracer.scene.load import parse_scene
 
-from comparisons import runs, suite
-from comparisons.execution import code, store
-from comparisons.execution.code import closure
-from comparisons.execution.pool import Silent
-from comparisons.execution.store import Store, UnwritableError, atomically
-from comparisons.results import Run, Timing
-from comparisons.runs import Request
 from raytruth.cli import main
-from reference_tracer.scene.load import parse_scene
 
 BALL = json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},
@@ -78,7 +78,7 @@ def test_an_interrupted_write_leaves_what_was_there_and_nothing_else(tmp_path):
 
 def test_a_writer_that_is_killed_leaves_what_was_there_and_its_rest_goes_with_the_next(tmp_path):
     made = kept(tmp_path)
-    program = ("import os, signal, sys\nfrom pathlib import Path\nfrom comparisons.execution.store import atomically\n"
+    program = ("import os, signal, sys\nfrom pathlib import Path\nfrom raytruth.comparisons.execution.store import atomically\n"
                "with atomically(Path(sys.argv[1])) as part:\n    part.write_text('half'); os.kill(os.getpid(), signal.SIGKILL)")
     assert subprocess.run([sys.executable, "-c", program, str(made.file("k"))]).returncode == -9
     assert made.arrays("k") is not None and len(list(made.folder.iterdir())) == 3
@@ -153,18 +153,18 @@ def test_a_damaged_picture_is_made_again_and_nothing_else(tmp_path, damage):
 
 # --- keys ------------------------------------------------------------------------------------------------------------
 def test_a_renderer_s_key_holds_its_own_code_and_no_other_s():
-    ours, mitsuba, povray = (closure(f"comparisons.renderers.{name}") for name in ("reference", "mitsuba", "povray"))
-    assert "converters.mitsuba.crossings" in mitsuba[0] and "reference_tracer.tracer.world" in ours[0]
-    assert not any(name.startswith("converters.mitsuba") for name in povray[0] | ours[0])
-    assert "comparisons.renderers.povray_process" in povray[0] - mitsuba[0]
+    ours, mitsuba, povray = (closure(f"raytruth.comparisons.renderers.{name}") for name in ("reference", "mitsuba", "povray"))
+    assert "raytruth.converters.mitsuba.crossings" in mitsuba[0] and "raytruth.reference_tracer.tracer.world" in ours[0]
+    assert not any(name.startswith("raytruth.converters.mitsuba") for name in povray[0] | ours[0])
+    assert "raytruth.comparisons.renderers.povray_process" in povray[0] - mitsuba[0]
     assert "mitsuba" in mitsuba[1] and not {"mitsuba", "trimesh"} & (povray[1] | ours[1])
     # who is compared, how many at a time, and what is made of it changes no picture
-    assert not {"comparisons.suite", "comparisons.execution.pool", "comparisons.renderers"} & mitsuba[0]
+    assert not {"raytruth.comparisons.suite", "raytruth.comparisons.execution.pool", "raytruth.comparisons.renderers"} & mitsuba[0]
 
 
 @pytest.mark.parametrize("module, changes", [
-    ("converters.povray.text", {"povray"}), ("converters.mitsuba.crossings", {"mitsuba-mesh"}),
-    ("reference_tracer.first_hit.descartes", {"exact", "povray", "mitsuba-mesh"}), ("comparisons.suite", set())])
+    ("raytruth.converters.povray.text", {"povray"}), ("raytruth.converters.mitsuba.crossings", {"mitsuba-mesh"}),
+    ("raytruth.reference_tracer.first_hit.descartes", {"exact", "povray", "mitsuba-mesh"}), ("raytruth.comparisons.suite", set())])
 def test_a_change_of_source_changes_the_keys_of_those_who_reach_it(tmp_path, monkeypatch, module, changes):
     """Every renderer takes the reference's types from modules that reach its methods; nobody reaches the suite."""
     keys = lambda: {name: Request(SCENE, name).key for name in ("exact", "mitsuba-mesh", "povray")}
@@ -189,7 +189,7 @@ def test_another_llvm_and_another_pov_ray_are_other_keys(monkeypatch):
     finally:
         monkeypatch.undo()
         code.code.cache_clear()
-    monkeypatch.setattr("comparisons.renderers.program", lambda name: "POV-Ray 3.8")
+    monkeypatch.setattr("raytruth.comparisons.renderers.program", lambda name: "POV-Ray 3.8")
     assert key("povray") != before["povray"] and key("exact") == before["exact"]
 
 

@@ -7,16 +7,15 @@ import sys
 import textwrap
 
 import pytest
+from raytruth.comparisons import renderers, suite
+from raytruth.comparisons.execution import pool
+from raytruth.comparisons.execution.pool import Pool
+from raytruth.comparisons.execution.process import Worker
+from raytruth.comparisons.results import read
+from raytruth.comparisons.runs import Request, RunStore
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.load import parse_scene
 from workers import child
-
-from comparisons import renderers, suite
-from comparisons.execution import pool
-from comparisons.execution.pool import Pool
-from comparisons.execution.process import Worker
-from comparisons.results import read
-from comparisons.runs import Request, RunStore
-from reference_tracer.errors import InputError
-from reference_tracer.scene.load import parse_scene
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},
@@ -87,7 +86,7 @@ def test_a_crash_costs_its_own_case_and_the_rest_is_kept(tmp_path, monkeypatch):
     # the renderer "paper" dies like a fatal kernel does: without a chance to say anything
     monkeypatch.setattr(pool, "COMMAND", (sys.executable, "-c", textwrap.dedent("""
         import os
-        from comparisons.execution import worker
+        from raytruth.comparisons.execution import worker
         answer = worker.answer
         worker.answer = lambda request: os.abort() if request["arguments"].get("renderer") == "paper" else answer(request)
         worker.main()

@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from comparisons.transport import cases
-from comparisons.transport.cases import CORNER_LIGHT, NOISY, ball, glow, scene
-from comparisons.transport.measure import measure
-from converters.mitsuba.dressed import diffuse, document, dressed, mirror, sun
-from converters.mitsuba.plugins import DocumentMaterial
-from converters.mitsuba.radiance import radiance
-from converters.mitsuba.variant import dr, mi
-from reference_tracer.scene.model import Camera
+from raytruth.comparisons.transport import cases
+from raytruth.comparisons.transport.cases import CORNER_LIGHT, NOISY, ball, glow, scene
+from raytruth.comparisons.transport.measure import measure
+from raytruth.converters.mitsuba.dressed import diffuse, document, dressed, mirror, sun
+from raytruth.converters.mitsuba.plugins import DocumentMaterial
+from raytruth.converters.mitsuba.radiance import radiance
+from raytruth.converters.mitsuba.variant import dr, mi
+from raytruth.reference_tracer.scene.model import Camera
 
 SIZE, FEW = (128, 96), (16, 64, 256)
 

@@ -1,6 +1,5 @@
 import pytest
-
-from reference_tracer.scene.model import Camera, Light, Object, Scene
+from raytruth.reference_tracer.scene.model import Camera, Light, Object, Scene
 
 
 @pytest.fixture
@@ -16,7 +15,7 @@ def scene_of():
 @pytest.fixture
 def mesh_of(scene_of):
     """The mesh of one surface or object alone in a scene."""
-    from converters.mesh import mesh_object
+    from raytruth.converters.mesh import mesh_object
 
     def build(thing, resolution=64, **parts):
         scene = scene_of(thing, **parts)

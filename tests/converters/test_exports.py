@@ -13,21 +13,20 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import trimesh
-
-from comparisons.bench import port
-from comparisons.renderers import povray
-from comparisons.verdicts.metrics import interior
-from converters.export import ENDINGS, chosen, export, mesh
-from converters.mesh.files import SUFFIXES, rounded_up
-from converters.mitsuba import convert
-from converters.mitsuba.files import AOVS
-from converters.mitsuba.variant import mi
-from converters.plain import plain
-from reference_tracer.errors import InputError, MissingError, UnsupportedError
-from reference_tracer.scene import library
-from reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Scene, Tracing
-from reference_tracer.surfaces import Bounds, Expression, Heart, Paraboloid, Plane, Sphere, Torus
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.bench import port
+from raytruth.comparisons.renderers import povray
+from raytruth.comparisons.verdicts.metrics import interior
+from raytruth.converters.export import ENDINGS, chosen, export, mesh
+from raytruth.converters.mesh.files import SUFFIXES, rounded_up
+from raytruth.converters.mitsuba import convert
+from raytruth.converters.mitsuba.files import AOVS
+from raytruth.converters.mitsuba.variant import mi
+from raytruth.converters.plain import plain
+from raytruth.reference_tracer.errors import InputError, MissingError, UnsupportedError
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Scene, Tracing
+from raytruth.reference_tracer.surfaces import Bounds, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from raytruth.reference_tracer.tracer.render import render
 
 CELLS = 48
 BALL, RING = Sphere(center=(-1.2, 0.1, 4.0), r=0.8), Torus(center=(1.0, 0.2, 4.5), R=0.8, r=0.3)

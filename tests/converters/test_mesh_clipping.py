@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
-
-from converters.mesh import check
-from converters.povray import convert as convert_to_povray
-from reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Tracing
-from reference_tracer.scene.placement import reach
-from reference_tracer.surfaces import Bounds, Expression, Paraboloid, Plane, Sphere
+from raytruth.converters.mesh import check
+from raytruth.converters.povray import convert as convert_to_povray
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Tracing
+from raytruth.reference_tracer.scene.placement import reach
+from raytruth.reference_tracer.surfaces import Bounds, Expression, Paraboloid, Plane, Sphere
 
 FLOOR = Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0)
 MIRROR = Material(reflection=0.5)

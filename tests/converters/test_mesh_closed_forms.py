@@ -4,13 +4,12 @@ import math
 
 import numpy as np
 import pytest
-
-from converters.mesh import check
-from converters.mesh.marching import BRICK, Grid
-from converters.mesh.placed import Placed
-from reference_tracer.scene.model import Object, Rotation
-from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Sphere, Torus
-from reference_tracer.surfaces.expression import Bounds
+from raytruth.converters.mesh import check
+from raytruth.converters.mesh.marching import BRICK, Grid
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.scene.model import Object, Rotation
+from raytruth.reference_tracer.surfaces import Ellipsoid, Expression, Heart, Sphere, Torus
+from raytruth.reference_tracer.surfaces.expression import Bounds
 
 CUBE = Bounds(low=(-1.0, -1.0, -1.0), high=(1.0, 1.0, 1.0))
 SPHERE = Sphere(center=(0.4, -0.2, 3.0), r=1.25)
@@ -108,9 +107,8 @@ def test_the_spindle_torus_has_no_inner_sheet(mesh_of):
 
 def test_bricks_give_what_one_volume_gives():
     """Independent computation: marching cubes over the whole grid at once, projected radially."""
+    from raytruth.converters.mesh.marching import march
     from skimage.measure import marching_cubes
-
-    from converters.mesh.marching import march
 
     placed = Placed(Object(surface=SPHERE))
     vertices, faces, cell = march(placed, placed.box, 3 * BRICK)

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from converters.mesh import check, mesh_object, mesh_to_error
-from converters.mesh.error import bounds, of_normals, of_triangles
-from converters.mesh.placed import Placed
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Object
-from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
-from reference_tracer.surfaces.expression import Bounds
+from raytruth.converters.mesh import check, mesh_object, mesh_to_error
+from raytruth.converters.mesh.error import bounds, of_normals, of_triangles
+from raytruth.converters.mesh.placed import Placed
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Object
+from raytruth.reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from raytruth.reference_tracer.surfaces.expression import Bounds
 
 TORUS = Torus(R=0.8, r=0.3)
 
@@ -127,7 +126,7 @@ def test_the_most_curved_triangles_are_looked_at(scene_of, monkeypatch):
     """The heart's error lies at its tips, few triangles of many: a hundredth of all finds the same one."""
     scene = scene_of(Heart())
     everywhere = mesh_object(scene.objects[0], scene, 64)
-    monkeypatch.setattr("converters.mesh.convert.MEASURED", everywhere.triangles // 25)
+    monkeypatch.setattr("raytruth.converters.mesh.convert.MEASURED", everywhere.triangles // 25)
     assert mesh_object(scene.objects[0], scene, 64).error == everywhere.error
 
 
@@ -160,7 +159,7 @@ def test_error_falls_with_the_square_of_the_resolution(mesh_of, surface):
 
 def test_vertices_that_were_not_projected_break_the_law(scene_of, monkeypatch):
     """The wrong implementation: marching cubes' own vertices, linear along grid edges, lie off the surface."""
-    monkeypatch.setattr("converters.mesh.convert.project", lambda placed, vertices, cell: vertices)
+    monkeypatch.setattr("raytruth.converters.mesh.convert.project", lambda placed, vertices, cell: vertices)
     scene = scene_of(TORUS)
     mesh = mesh_object(scene.objects[0], scene, 64)
     assert mesh.residual > 1e-4

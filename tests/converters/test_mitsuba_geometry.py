@@ -4,16 +4,15 @@ import itertools
 
 import numpy as np
 import pytest
-
-from comparisons.renderers.embree import render as render_embree
-from comparisons.renderers.mitsuba import render as render_mitsuba
-from converters.mitsuba import convert, pixel_directions, sensor
-from converters.mitsuba.variant import mi
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Camera, Material, Object, Rotation, Tracing
-from reference_tracer.surfaces import Bounds, Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
-from reference_tracer.tracer.camera import canvas_point, frame
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.renderers.embree import render as render_embree
+from raytruth.comparisons.renderers.mitsuba import render as render_mitsuba
+from raytruth.converters.mitsuba import convert, pixel_directions, sensor
+from raytruth.converters.mitsuba.variant import mi
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Camera, Material, Object, Rotation, Tracing
+from raytruth.reference_tracer.surfaces import Bounds, Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from raytruth.reference_tracer.tracer.camera import canvas_point, frame
+from raytruth.reference_tracer.tracer.render import render
 
 ASKEW = Camera(position=(0.3, 0.5, -1.0), direction=(0.1, -0.2, 1.0), up=(0.2, 1.0, 0.1), fov=50.0, width=96, height=72)
 
@@ -115,7 +114,7 @@ def test_a_mirrored_sensor_is_found(scene_of, monkeypatch):
 
     scene = scene_of(Sphere(center=(0.0, 0.0, 3.0), r=1.0))
     assert render_mitsuba(scene, shapes="native", repeat=False).metadata["camera_difference"] < 1e-6
-    monkeypatch.setattr("converters.mitsuba.scene.sensor", mirrored)
+    monkeypatch.setattr("raytruth.converters.mitsuba.scene.sensor", mirrored)
     assert render_mitsuba(scene, shapes="native", repeat=False).metadata["camera_difference"] > 0.1
 
 
@@ -123,7 +122,7 @@ def test_swapped_winding_is_found(scene_of, monkeypatch):
     """The wrong implementation: a mesh turned inside out offers no crossing to a ray that is outside of it."""
     from dataclasses import replace
 
-    from converters.mesh import mesh_object
+    from raytruth.converters.mesh import mesh_object
 
     scene = scene_of(Sphere(center=(0.0, 0.0, 3.0), r=1.0))
     sound = render_mitsuba(scene, shapes="mesh", resolution=32, repeat=False)
@@ -132,7 +131,7 @@ def test_swapped_winding_is_found(scene_of, monkeypatch):
         mesh = mesh_object(*arguments)
         return replace(mesh, faces=mesh.faces[:, ::-1])
 
-    monkeypatch.setattr("converters.mitsuba.scene.mesh_object", inside_out)
+    monkeypatch.setattr("raytruth.converters.mitsuba.scene.mesh_object", inside_out)
     wrong = render_mitsuba(scene, shapes="mesh", resolution=32, repeat=False)
     front = np.isfinite(sound.t)
     assert (wrong.t[front] > sound.t[front] + 0.1)[sound.normal[front][:, 2] < -0.5].all()

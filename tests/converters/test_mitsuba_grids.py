@@ -4,14 +4,13 @@ import itertools
 
 import numpy as np
 import pytest
-
-from comparisons.renderers.mitsuba import render as render_mitsuba
-from converters.mitsuba import convert, document_directions, grid
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Material, Object, Rotation
-from reference_tracer.scene.placement import rotation_matrix
-from reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.renderers.mitsuba import render as render_mitsuba
+from raytruth.converters.mitsuba import convert, document_directions, grid
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Material, Object, Rotation
+from raytruth.reference_tracer.scene.placement import rotation_matrix
+from raytruth.reference_tracer.surfaces import Ellipsoid, Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from raytruth.reference_tracer.tracer.render import render
 
 TURNED = Rotation(axis=(1.0, 0.2, 0.4), degrees=50.0)
 

@@ -4,11 +4,10 @@ import math
 
 import numpy as np
 import pytest
-
-from comparisons.renderers.mitsuba import render as render_mitsuba
-from reference_tracer.scene.model import Camera, Light, Material, Object, Tracing
-from reference_tracer.surfaces import Ellipsoid, Plane, Sphere, Torus
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.renderers.mitsuba import render as render_mitsuba
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Tracing
+from raytruth.reference_tracer.surfaces import Ellipsoid, Plane, Sphere, Torus
+from raytruth.reference_tracer.tracer.render import render
 
 FLOOR = Plane(center=(0.0, -1.0, 0.0), a=0.0, b=1.0, c=0.0)
 ONE_PIXEL = {"width": 1, "height": 1}
@@ -163,7 +162,7 @@ def test_bands_do_not_show(scene_of, monkeypatch):
     """Queues of 500 rays give the picture that one queue gives."""
     scene = mirror_and_glass(scene_of, tracing=Tracing(max_depth=2))
     whole = render_mitsuba(scene, shapes="native", repeat=False)
-    monkeypatch.setattr("comparisons.renderers.mitsuba.MOST_RAYS", 500)
+    monkeypatch.setattr("raytruth.comparisons.renderers.mitsuba.MOST_RAYS", 500)
     cut = render_mitsuba(scene, shapes="native", repeat=False)
     assert np.abs(whole.color - cut.color).max() < 1e-12 and (whole.depth == cut.depth).all()
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-
-from comparisons.renderers.mitsuba import render as render_mitsuba
-from converters.mitsuba import refine
-from reference_tracer.scene.model import Material, Object, Rotation
-from reference_tracer.surfaces import Ellipsoid, Heart, Paraboloid, Plane, Torus
-from reference_tracer.tracer.render import render
+from raytruth.comparisons.renderers.mitsuba import render as render_mitsuba
+from raytruth.converters.mitsuba import refine
+from raytruth.reference_tracer.scene.model import Material, Object, Rotation
+from raytruth.reference_tracer.surfaces import Ellipsoid, Heart, Paraboloid, Plane, Torus
+from raytruth.reference_tracer.tracer.render import render
 
 SURFACES = [Torus(center=(0.2, -0.1, 3.5), R=0.8, r=0.3), Heart(center=(0.0, 0.0, 3.0)),
             Ellipsoid(center=(0.1, 0.2, 3.0), a=1.1, b=0.5, c=0.25), Paraboloid(center=(0.0, -0.5, 3.0), a=0.7, b=0.9)]

@@ -5,17 +5,16 @@ import re
 
 import numpy as np
 import pytest
-
-from converters.mesh.placed import Placed
-from converters.povray import convert, object_of, scene_text
-from converters.povray.distance import far_shadows
-from converters.povray.gradient import max_gradient
-from converters.povray.text import function_text
-from reference_tracer.errors import InputError, UnsupportedError
-from reference_tracer.scene import library
-from reference_tracer.scene.model import Camera, Light, Material, Object, Tracing
-from reference_tracer.surfaces import Expression, Heart, Paraboloid, Plane, Sphere, Torus
-from reference_tracer.surfaces.expression import Bounds
+from raytruth.converters.mesh.placed import Placed
+from raytruth.converters.povray import convert, object_of, scene_text
+from raytruth.converters.povray.distance import far_shadows
+from raytruth.converters.povray.gradient import max_gradient
+from raytruth.converters.povray.text import function_text
+from raytruth.reference_tracer.errors import InputError, UnsupportedError
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Tracing
+from raytruth.reference_tracer.surfaces import Expression, Heart, Paraboloid, Plane, Sphere, Torus
+from raytruth.reference_tracer.surfaces.expression import Bounds
 
 VOCABULARY = {"sqrt": np.sqrt, "Cbrt": np.cbrt, "sin": np.sin, "cos": np.cos, "tan": np.tan, "exp": np.exp, "ln": np.log,
               "abs": np.abs, "min": np.minimum, "max": np.maximum, "pow": np.power}

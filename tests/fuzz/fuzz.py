@@ -207,7 +207,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--only", type=int, metavar="K", help="input K alone, shown in full")
     options = parser.parse_args()
-    from comparisons.progress import Progress
+    from raytruth.comparisons.progress import Progress
 
     numbers = range(options.first, options.first + options.inputs) if options.only is None else [options.only]
     codes, kinds, peak, work = Counter(), Counter(), 0, 0.0

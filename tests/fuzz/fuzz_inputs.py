@@ -12,8 +12,9 @@ import random
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from raytruth.reference_tracer.scene import library
+
 from raytruth.cli import COMMANDS
-from reference_tracer.scene import library
 
 LENGTHS = ("compare", "transport", "stability", "chart", "plan", "attribute", "report", "doctor")  # take long when all is well
 

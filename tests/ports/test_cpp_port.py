@@ -4,14 +4,13 @@ import subprocess
 
 import numpy as np
 import pytest
-
-from comparisons.bench import port
-from converters.plain import plain
-from reference_tracer.errors import MissingError, UnsupportedError
-from reference_tracer.scene import library
-from reference_tracer.scene.model import Light
-from reference_tracer.tracer.render import render
-from reference_tracer.tracer.sensitivity import sensitivity
+from raytruth.comparisons.bench import port
+from raytruth.converters.plain import plain
+from raytruth.reference_tracer.errors import MissingError, UnsupportedError
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.model import Light
+from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.tracer.sensitivity import sensitivity
 
 AGREE = 1e-9
 MOST_EXCUSED = 0.002  # of the pixels; measured: 2 of 4800 of the heart, none elsewhere

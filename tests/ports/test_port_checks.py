@@ -9,20 +9,20 @@ from pathlib import Path
 import numpy as np
 import port_mutants as mutants
 import pytest
+from raytruth.comparisons.bench import port as cpp
+from raytruth.comparisons.ports import cases as all_cases
+from raytruth.comparisons.ports import check, vectors
+from raytruth.comparisons.ports.cases import Case, chosen, small
+from raytruth.comparisons.ports.document import Check
+from raytruth.comparisons.ports.protocol import Reply
+from raytruth.comparisons.ports.session import Port
+from raytruth.comparisons.ports.truth import Truths
+from raytruth.comparisons.suites import head
+from raytruth.reference_tracer.errors import InputError, MissingError
+from raytruth.reference_tracer.oracle.literal import LiteralSearch, point_color
+from raytruth.reference_tracer.scene import library
 
-from comparisons.bench import port as cpp
-from comparisons.ports import cases as all_cases
-from comparisons.ports import check, vectors
-from comparisons.ports.cases import Case, chosen, small
-from comparisons.ports.document import Check
-from comparisons.ports.protocol import Reply
-from comparisons.ports.session import Port
-from comparisons.ports.truth import Truths
-from comparisons.suites import head
 from raytruth.cli import main
-from reference_tracer.errors import InputError, MissingError
-from reference_tracer.oracle.literal import LiteralSearch, point_color
-from reference_tracer.scene import library
 
 NUMPY = [sys.executable, str(mutants.NUMPY_SOURCE)]
 SOON = ["algorithm:surfaces", "algorithm:events", "algorithm:switches", "algorithm:pictures"]

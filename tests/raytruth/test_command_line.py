@@ -52,8 +52,8 @@ def test_scenes_lists_checks_and_shows(capsys, ball):
 
 
 def test_a_shown_scene_is_a_scene_file(capsys, tmp_path):
-    from reference_tracer.scene.library import scene
-    from reference_tracer.scene.load import load_scene
+    from raytruth.reference_tracer.scene.library import scene
+    from raytruth.reference_tracer.scene.load import load_scene
 
     _, out, _ = run(capsys, "scenes", "--show", "figure-reflection")
     (tmp_path / "mine.json").write_text(out)
@@ -157,9 +157,9 @@ def test_another_renderer_draws_with_its_settings(capsys, ball, tmp_path, render
 
 def test_printed_commands_of_runs_are_understood(capsys, tmp_path):
     """What a results page prints is parsed to the same settings."""
-    from comparisons import renderers
-    from comparisons.runs import Request
-    from reference_tracer.scene.library import find
+    from raytruth.comparisons import renderers
+    from raytruth.comparisons.runs import Request
+    from raytruth.reference_tracer.scene.library import find
 
     for name, settings in (("embree", {"resolution": 32}), ("mitsuba-mesh", {"error": 0.25, "refined": True}),
                            ("paper", {"step_size": 0.05})):
@@ -304,7 +304,7 @@ def test_what_kernels_take_to_compile_is_told_before(command, tmp_path, monkeypa
                                      ["plan", "-o", "/proc/a.json"], ["plan", "--results", "/proc/a"]])
 def test_a_place_that_takes_no_files_is_refused_before_the_work(command, capsys, monkeypatch):
     """The permissions of /proc let root write."""
-    from reference_tracer.tracer.render import Renderer
+    from raytruth.reference_tracer.tracer.render import Renderer
 
     monkeypatch.setattr(Renderer, "__init__", lambda *_, **__: pytest.fail("the work has begun"))
     from raytruth import cli
@@ -325,10 +325,11 @@ def test_no_shipped_scene_is_too_large_for_a_command_that_is_allowed_nothing(com
     """`raytruth certify` alone takes every shipped scene, each at its own size."""
     from importlib import import_module
 
+    from raytruth.reference_tracer.scene import library
+    from raytruth.reference_tracer.tracer import estimate
+    from raytruth.reference_tracer.tracer.film import PLANES
+
     from raytruth import memory
-    from reference_tracer.scene import library
-    from reference_tracer.tracer import estimate
-    from reference_tracer.tracer.film import PLANES
 
     beside = import_module(f"raytruth.commands.{command}").BESIDE
     for name in (*library.names(), *library.effects()):
@@ -337,7 +338,7 @@ def test_no_shipped_scene_is_too_large_for_a_command_that_is_allowed_nothing(com
 
 def test_a_scene_as_published(capsys, tmp_path):
     """The figure's form by the option and by the name's ending; one that does not tell of its figure is refused."""
-    from reference_tracer.scene import library
+    from raytruth.reference_tracer.scene import library
 
     for words in (["figure-05-sphere", "--as-published"], ["figure-05-sphere@published"]):
         code, out, _ = run(capsys, "render", *words, "--size", "8x6", "-o", tmp_path / "out.npz", "--json")

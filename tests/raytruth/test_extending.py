@@ -37,7 +37,7 @@ class Cylinder(Surface):
 '''
 
 WITNESS = '''
-from reference_tracer.tracer.render import render as traced
+from raytruth.reference_tracer.tracer.render import render as traced
 
 
 def render(scene):

@@ -11,9 +11,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import trimesh
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
 
 import raytruth as rt
-from reference_tracer.tracer.image_files import to_8_bit
 
 HERE = Path(rt.__file__).parent
 
@@ -138,7 +138,7 @@ def test_compare_holds_the_literal_method_against_its_oracle(scene, picture, tmp
 
 def test_compare_is_the_judge_of_the_suite(scene, picture, tmp_path):
     """The same gates, with the same numbers, as `raytruth compare` writes of the same two pictures."""
-    from comparisons.suite import Options, compare
+    from raytruth.comparisons.suite import Options, compare
 
     results = compare([scene], Options(folder=tmp_path, renderers=("mitsuba-native",), jobs=1, with_studies=False))
     theirs, = results.comparisons

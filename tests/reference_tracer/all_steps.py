@@ -1,5 +1,5 @@
 """The literal search of the oracle with all steps of a ray looked at in one go: the same answers, in less time."""
 
-from comparisons.verdicts.oracle import AllSteps
+from raytruth.comparisons.verdicts.oracle import AllSteps
 
 __all__ = ["AllSteps"]

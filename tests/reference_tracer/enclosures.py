@@ -17,14 +17,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from flint import arb, arb_series, ctx
-
-from reference_tracer.backend import backend
-from reference_tracer.numbers import composed
-from reference_tracer.numbers import functions as fn
-from reference_tracer.numbers import interval as stated
-from reference_tracer.numbers.dual import Dual
-from reference_tracer.numbers.exact import ORDER, Series
-from reference_tracer.numbers.interval import Interval, OutwardInterval
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.numbers import composed
+from raytruth.reference_tracer.numbers import functions as fn
+from raytruth.reference_tracer.numbers import interval as stated
+from raytruth.reference_tracer.numbers.dual import Dual
+from raytruth.reference_tracer.numbers.exact import ORDER, Series
+from raytruth.reference_tracer.numbers.interval import Interval, OutwardInterval
 
 BITS = 160  # of the true values
 POINTS = 4  # tried in every interval: both ends, two within

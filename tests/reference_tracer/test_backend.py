@@ -7,12 +7,11 @@ import sys
 import drjit as dr
 import numpy as np
 import pytest
+from raytruth.reference_tracer import llvm
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, thing
-
-from reference_tracer import llvm
-from reference_tracer.backend import backend
-from reference_tracer.errors import InputError
-from reference_tracer.tracer.render import render
 
 
 def folder_with(path, *names):
@@ -66,9 +65,9 @@ except raytruth.InputError as error:
 """
 CONVERTS = """
 import sys
-from reference_tracer.errors import InputError
+from raytruth.reference_tracer.errors import InputError
 try:
-    import converters.mitsuba.variant
+    import raytruth.converters.mitsuba.variant
 except InputError as error:
     sys.exit(f"refused: {error}")
 """

@@ -4,17 +4,16 @@ import json
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.certify import certify
+from raytruth.reference_tracer.certify.text import told
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.oracle import literal
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.promises import unproven
+from raytruth.reference_tracer.surfaces import KINDS, Bounds, Ellipsoid, Expression, Heart, Sphere, Torus
+from raytruth.reference_tracer.surfaces.outside import Outside, outside
+from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, random_rays, shine, shoot, thing
-
-from reference_tracer.certify import certify
-from reference_tracer.certify.text import told
-from reference_tracer.errors import InputError
-from reference_tracer.oracle import literal
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.promises import unproven
-from reference_tracer.surfaces import KINDS, Bounds, Ellipsoid, Expression, Heart, Sphere, Torus
-from reference_tracer.surfaces.outside import Outside, outside
-from reference_tracer.tracer.render import render
 
 TURN = {"axis": [1, 1, 0], "degrees": 40}
 QUARTIC = "x**4 + y**4 + z**4 - 1"

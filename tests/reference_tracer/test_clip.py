@@ -4,16 +4,15 @@ import json
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.certify import certify
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.oracle import literal
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Object, Scene, json_schema
+from raytruth.reference_tracer.scene.placement import rotation_matrix
+from raytruth.reference_tracer.surfaces import Bounds, Clipped, Sphere
+from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, random_rays, shine, shoot, thing, unit
-
-from reference_tracer.certify import certify
-from reference_tracer.errors import InputError
-from reference_tracer.oracle import literal
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Object, Scene, json_schema
-from reference_tracer.scene.placement import rotation_matrix
-from reference_tracer.surfaces import Bounds, Clipped, Sphere
-from reference_tracer.tracer.render import render
 
 TURN = {"axis": [1, 2, -0.5], "degrees": 33}
 UPPER = {"low": [-2, -2, 0], "high": [2, 2, 2]}

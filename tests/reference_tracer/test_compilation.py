@@ -1,10 +1,9 @@
 """That a command hears of what is to be compiled, before it is, in proportion to what has been recorded."""
 
 import pytest
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.compilation import heard
-from reference_tracer.tracer.render import render
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.compilation import heard
+from raytruth.reference_tracer.tracer.render import render
 
 
 def announced(formulas: list[str], method: str = "exact", **material) -> list:

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.surfaces import Expression
+from raytruth.reference_tracer.surfaces.conditioning import shift
+from raytruth.reference_tracer.tracer.film import UNDECIDED
+from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, thing
-
-from reference_tracer.surfaces import Expression
-from reference_tracer.surfaces.conditioning import shift
-from reference_tracer.tracer.film import UNDECIDED
-from reference_tracer.tracer.render import render
 
 BALL = "x**2 + y**2 + z**2 - 1"
 

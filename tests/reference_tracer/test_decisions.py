@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.first_hit import METHODS
+from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 from tracing_support import follow, make_scene, shine, shoot, thing, unit
 
-import reference_tracer
-from reference_tracer.first_hit import METHODS
-from reference_tracer.tracer.render import UNDECIDED, render
+from raytruth import reference_tracer
 
 FORWARD = (0, 0, 1)
 TRUTHS = ("paper", "exact")

@@ -4,10 +4,9 @@ import math
 
 import numpy as np
 import pytest
-
-from reference_tracer.backend import backend
-from reference_tracer.numbers import Dual
-from reference_tracer.numbers import functions as fn
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.numbers import Dual
+from raytruth.reference_tracer.numbers import functions as fn
 
 X = np.array([-2.5, -0.75, -0.3, 0.3, 0.4, 0.75, 1.9, 2.5])
 POSITIVE = X > 0

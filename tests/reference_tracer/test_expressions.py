@@ -8,14 +8,13 @@ import warnings
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.surfaces import Expression
+from raytruth.reference_tracer.surfaces.formula_functions import LARGEST_EXPONENT
+from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 from tracing_support import make_scene, thing
-
-from reference_tracer.backend import backend
-from reference_tracer.errors import InputError
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.surfaces import Expression
-from reference_tracer.surfaces.formula_functions import LARGEST_EXPONENT
-from reference_tracer.tracer.render import UNDECIDED, render
 
 POINTS = [(0.7, -1.3, 2.1), (-0.4, 0.9, 0.3), (1.5, 2.5, -0.8)]
 NAMES = {name: getattr(math, name) for name in ("sqrt", "sin", "cos", "tan", "exp", "log", "pi")} | {
@@ -138,7 +137,7 @@ def test_a_formula_without_a_value_at_the_camera_is_no_crash(formula):
 
 def test_towers_of_powers_cost_no_time():
     """The degree of this short formula is 32^4: to multiply it out takes hours. In a process that can be ended."""
-    code = ("from reference_tracer.surfaces import Expression\n"
+    code = ("from raytruth.reference_tracer.surfaces import Expression\n"
             "print(Expression(formula='(((x**32 + y)**32)**32)**32').degree)")
     subprocess.run([sys.executable, "-c", code], timeout=20, check=True, capture_output=True)
 

@@ -11,17 +11,16 @@ import numpy as np
 import pytest
 from all_steps import AllSteps
 from closed_forms import Exact
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.oracle import literal
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer import world as worlds
+from raytruth.reference_tracer.tracer.optics import Optics
+from raytruth.reference_tracer.tracer.render import Renderer, render
+from raytruth.reference_tracer.tracer.world import World
 from test_wavefront_against_recursion import COMMON, FLOOR, GLASS, MIRROR, TOLERANCE
 from tracing_support import follow, make_scene, thing, unit
-
-from reference_tracer.backend import backend
-from reference_tracer.errors import InputError
-from reference_tracer.oracle import literal
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer import world as worlds
-from reference_tracer.tracer.optics import Optics
-from reference_tracer.tracer.render import Renderer, render
-from reference_tracer.tracer.world import World
 
 import drjit as dr  # isort: skip  # after the LLVM that it is to load has been chosen
 

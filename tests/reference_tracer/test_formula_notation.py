@@ -4,13 +4,12 @@ import json
 import random
 
 import pytest
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import json_schema
-from reference_tracer.surfaces import Expression
-from reference_tracer.surfaces.formula import FormulaError
-from reference_tracer.surfaces.formula_parser import parse_formula
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import json_schema
+from raytruth.reference_tracer.surfaces import Expression
+from raytruth.reference_tracer.surfaces.formula import FormulaError
+from raytruth.reference_tracer.surfaces.formula_parser import parse_formula
 
 VALUES = (("R", 2.0), ("k", 0.5), ("radius", 3.0))
 

@@ -7,18 +7,17 @@ import warnings
 import numpy as np
 import pytest
 from flint import arb
+from raytruth.reference_tracer.certify.line import follow
+from raytruth.reference_tracer.certify.search import precision
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.numbers import Dual, Interval, OutwardInterval
+from raytruth.reference_tracer.numbers.exact import Series
+from raytruth.reference_tracer.surfaces import Expression
+from raytruth.reference_tracer.surfaces.expression import Bounds, forms_of
+from raytruth.reference_tracer.surfaces.formula import FormulaError
+from raytruth.reference_tracer.surfaces.formula_parser import parse_formula
+from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, shoot, thing
-
-from reference_tracer.certify.line import follow
-from reference_tracer.certify.search import precision
-from reference_tracer.errors import InputError
-from reference_tracer.numbers import Dual, Interval, OutwardInterval
-from reference_tracer.numbers.exact import Series
-from reference_tracer.surfaces import Expression
-from reference_tracer.surfaces.expression import Bounds, forms_of
-from reference_tracer.surfaces.formula import FormulaError
-from reference_tracer.surfaces.formula_parser import parse_formula
-from reference_tracer.tracer.render import render
 
 BOX = {"low": [-1.5] * 3, "high": [1.5] * 3}
 

@@ -5,12 +5,11 @@ import json
 import numpy as np
 import pytest
 from formulas_as_written import FORMULAS, REFUSED, Written
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.surfaces import Expression
-from reference_tracer.tracer.camera import canvas_point, frame
-from reference_tracer.tracer.render import render
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.surfaces import Expression
+from raytruth.reference_tracer.tracer.camera import canvas_point, frame
+from raytruth.reference_tracer.tracer.render import render
 
 WIDTH, HEIGHT = 32, 24
 STEPS = 3000  # points of a ray at which the sign of what is meant is looked at

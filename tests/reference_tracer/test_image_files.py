@@ -5,11 +5,10 @@ import json
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.tracer.image_files import PLANES, load_npz, save, to_8_bit, write_8_bit
+from raytruth.reference_tracer.tracer.render import HIT, MISS, render
 from tracing_support import make_scene, thing
-
-from reference_tracer.errors import InputError
-from reference_tracer.tracer.image_files import PLANES, load_npz, save, to_8_bit, write_8_bit
-from reference_tracer.tracer.render import HIT, MISS, render
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +65,7 @@ def test_P1_exr_holds_linear_unclamped_values_and_every_plane(picture, tmp_path)
 
 def test_mitsuba_splits_an_exr_into_layers(picture, tmp_path):
     """Another program's reading of the names: vectors for places and normals, numbers for what is counted, and colours."""
-    from converters.mitsuba.variant import mi
+    from raytruth.converters.mitsuba.variant import mi
 
     save(picture, tmp_path / "picture.exr")
     layers = dict(mi.Bitmap(str(tmp_path / "picture.exr")).split())

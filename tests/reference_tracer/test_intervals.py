@@ -6,11 +6,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-
-from reference_tracer.backend import backend
-from reference_tracer.numbers import Dual, Interval, OutwardInterval
-from reference_tracer.numbers import functions as fn
-from reference_tracer.surfaces.expression import forms_of
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.numbers import Dual, Interval, OutwardInterval
+from raytruth.reference_tracer.numbers import functions as fn
+from raytruth.reference_tracer.surfaces.expression import forms_of
 
 COUNT, SAMPLES = 60, 5
 KINDS = ("float", "numpy", "drjit")

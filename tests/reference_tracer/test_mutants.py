@@ -25,9 +25,9 @@ import test_shading as shading
 import test_surfaces as surfaces
 import test_ties as ties
 import test_wavefront_against_recursion as against_recursion
+from raytruth.reference_tracer.errors import InputError
 
-import reference_tracer
-from reference_tracer.errors import InputError
+from raytruth import reference_tracer
 
 
 @dataclass
@@ -232,7 +232,7 @@ def put_in_place(mutant: Mutant, folder: Path, monkeypatch) -> None:
                if path.name != "recursive.py" and path.parent.name != "certify"}  # programs of their own
     assert sum(source.count(mutant.right) for source in sources.values()) == 1, f"no single place for {mutant.right!r}"
     found = next(path for path, source in sources.items() if mutant.right in source)
-    name = ".".join(["reference_tracer", *found.relative_to(package).with_suffix("").parts])
+    name = ".".join(["raytruth", "reference_tracer", *found.relative_to(package).with_suffix("").parts])
     original, path = importlib.import_module(name), folder / found.name
     path.write_text(sources[found].replace(mutant.right, mutant.wrong), "utf-8")
     spec = importlib.util.spec_from_file_location(name, path)
@@ -249,7 +249,7 @@ def put_in_place(mutant: Mutant, folder: Path, monkeypatch) -> None:
                     monkeypatch.setattr(value, attribute, member)
         else:
             for user, module in list(sys.modules.items()):
-                if user.startswith(("reference_tracer", "test_", "tracing_support")) and vars(module).get(key) is value:
+                if user.startswith(("raytruth.reference_tracer", "test_", "tracing_support")) and vars(module).get(key) is value:
                     monkeypatch.setattr(module, key, getattr(wrong, key))
 
 

@@ -9,11 +9,10 @@ import drjit as dr
 import numpy as np
 import pytest
 from drjit.llvm import Float64
-
-from reference_tracer.numbers import functions as fn
-from reference_tracer.surfaces.exact_polynomial import polynomial, tree_of
-from reference_tracer.surfaces.formula import FormulaError
-from reference_tracer.surfaces.formula_parser import parse_formula
+from raytruth.reference_tracer.numbers import functions as fn
+from raytruth.reference_tracer.surfaces.exact_polynomial import polynomial, tree_of
+from raytruth.reference_tracer.surfaces.formula import FormulaError
+from raytruth.reference_tracer.surfaces.formula_parser import parse_formula
 
 NOWHERE = ("0**x", "1/(0**x)", "((0)**x)**-1", "(0*x)**-0.5", "(0*x)**x", "exp(1e5+x*0)", "max(x, sqrt(-1-x*x))",
            "exp(log(-1-x*x))-1", "x-exp(log(-1-x*x))", "1-2**log(-1-x*x)", "0.5**(log(-1-abs(x)))-1", "log(-exp(x))")
@@ -22,8 +21,8 @@ UNENDING = 300.0  # seconds; all of them together take less than ten
 
 PROGRAM = """
 import json, sys
-from reference_tracer.tracer.render import render
-from reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.scene.model import Scene
 formulas, methods = json.loads(sys.argv[1])
 for formula in formulas:
     scene = Scene.model_validate_json(json.dumps({"camera": {"width": 3, "height": 2}, "objects": [

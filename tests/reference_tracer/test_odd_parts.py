@@ -7,16 +7,15 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from flint import fmpq
+from raytruth.reference_tracer.certify.line import follow, ray_polynomial
+from raytruth.reference_tracer.numbers.exact import RationalPolynomial
+from raytruth.reference_tracer.surfaces import Expression
+from raytruth.reference_tracer.surfaces.exact_polynomial import polynomial
+from raytruth.reference_tracer.surfaces.expression import forms_of
+from raytruth.reference_tracer.surfaces.formula import FormulaError
+from raytruth.reference_tracer.surfaces.formula_parser import parse_formula
+from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 from tracing_support import make_scene, shine, shoot, thing
-
-from reference_tracer.certify.line import follow, ray_polynomial
-from reference_tracer.numbers.exact import RationalPolynomial
-from reference_tracer.surfaces import Expression
-from reference_tracer.surfaces.exact_polynomial import polynomial
-from reference_tracer.surfaces.expression import forms_of
-from reference_tracer.surfaces.formula import FormulaError
-from reference_tracer.surfaces.formula_parser import parse_formula
-from reference_tracer.tracer.render import UNDECIDED, render
 
 BALL = "(x**2 + y**2 + z**2 - 1)"
 SMALL = "((x - 10)**2 + (y - 3)**2 + z**2 - 0.01)"

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.scene.placement import is_inside
+from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, thing
-
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.tracer.render import render
 
 # the camera's position, in the surface's own frame, is (0, 0, -3)
 AT_THE_CAMERA = {

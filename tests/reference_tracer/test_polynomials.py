@@ -4,11 +4,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-
-from reference_tracer.backend import backend
-from reference_tracer.numbers import NotAlgebraic, Polynomial
-from reference_tracer.numbers import functions as fn
-from reference_tracer.surfaces.heart import Heart
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.numbers import NotAlgebraic, Polynomial
+from raytruth.reference_tracer.numbers import functions as fn
+from raytruth.reference_tracer.surfaces.heart import Heart
 
 FUNCTIONS = {
     1: lambda x, y, z: x * 2 - y / 4 + (3 - z) + 1,

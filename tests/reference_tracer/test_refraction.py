@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.tracer.optics import reflect, refract
+from raytruth.reference_tracer.tracer.render import render
 from tracing_support import follow, make_scene, thing, unit
-
-from reference_tracer.backend import backend
-from reference_tracer.tracer.optics import reflect, refract
-from reference_tracer.tracer.render import render
 
 METHODS = ("paper", "exact")
 SIZE = (9, 7)

@@ -6,17 +6,16 @@ import sys
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.tracer import wavefront
+from raytruth.reference_tracer.tracer.render import UNDECIDED, Watch, render
+from raytruth.reference_tracer.tracer.shading import interact
 from tracing_support import make_scene, thing
-
-from reference_tracer.tracer import wavefront
-from reference_tracer.tracer.render import UNDECIDED, Watch, render
-from reference_tracer.tracer.shading import interact
 
 OUTSIDE = """
 import hashlib, json, sys
-from reference_tracer.tracer.render import render
-from reference_tracer.tracer.film import PLANES
-from reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.tracer.film import PLANES
+from raytruth.reference_tracer.scene import library
 name, method, precision, threads, adaptive = json.loads(sys.argv[1])
 scene = library.scene(name).resized(96, 72, samples=3).traced_with(adaptive=adaptive)
 picture = render(scene, method, precision=precision, threads=threads)

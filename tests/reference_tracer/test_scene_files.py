@@ -4,11 +4,10 @@ import json
 import time
 
 import pytest
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene import library
-from reference_tracer.scene.load import LARGEST_FILE, load_scene, parse_scene
-from reference_tracer.scene.model import LONGEST_SIDE, Scene, Tracing, json_schema
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.scene.load import LARGEST_FILE, load_scene, parse_scene
+from raytruth.reference_tracer.scene.model import LONGEST_SIDE, Scene, Tracing, json_schema
 
 BALL = {"surface": {"type": "sphere", "center": [0, 0, 5], "r": 1}}
 GOOD = {"name": "good", "camera": {"width": 8, "height": 6}, "objects": [BALL], "lights": [{"position": [0, 3, 0]}],

@@ -4,11 +4,18 @@ import json
 
 import numpy as np
 import pytest
-
-from reference_tracer.scene.library import scene
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.tracer.render import render
-from reference_tracer.tracer.sensitivity import FLOOR_UNITS, SAFETY, UNIT, Displaced, Perturbations, perturbed, sensitivity
+from raytruth.reference_tracer.scene.library import scene
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.tracer.sensitivity import (
+    FLOOR_UNITS,
+    SAFETY,
+    UNIT,
+    Displaced,
+    Perturbations,
+    perturbed,
+    sensitivity,
+)
 
 MOST_OUTSIDE = 1  # one pixel in ten thousand; the pictures have 12 288
 NAMES = ("figure-07-torus", "figure-09-heart", "figure-17-scene1")
@@ -56,7 +63,7 @@ def test_the_smooth_response_is_that_of_the_cosine_law():
     # One light straight above a floor seen from above: color = cos(phi) = h / sqrt(h^2 + x^2) of the hit point, whose
     # slope is at most 2 / (3 sqrt(3) h). A ray moved by m units of rounding moves the hit by a few m units times its
     # length; the measured bound must have that size: neither zero nor orders above.
-    from reference_tracer.scene.model import Scene
+    from raytruth.reference_tracer.scene.model import Scene
 
     floor = Scene.model_validate_json("""{"camera": {"direction": [0, -1, 0], "up": [0, 0, 1], "width": 24, "height": 24},
         "objects": [{"surface": {"type": "plane", "center": [0, -2, 0], "a": 0, "b": 1, "c": 0}}],

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from all_steps import AllSteps
 from closed_forms import Exact
+from raytruth.reference_tracer.oracle import literal
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, thing
-
-from reference_tracer.oracle import literal
-from reference_tracer.scene import library
-from reference_tracer.tracer.render import render
 
 TOLERANCE = 1e-12
 

@@ -6,15 +6,14 @@ import json
 from dataclasses import dataclass
 
 import numpy as np
-
-from reference_tracer.backend import backend
-from reference_tracer.scene.load import parse_scene
-from reference_tracer.scene.model import Scene
-from reference_tracer.scene.placement import is_inside
-from reference_tracer.tracer.camera_rays import camera_wave
-from reference_tracer.tracer.rays import BITS, Ray, Sides
-from reference_tracer.tracer.wavefront import trace
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.scene.load import parse_scene
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.scene.placement import is_inside
+from raytruth.reference_tracer.tracer.camera_rays import camera_wave
+from raytruth.reference_tracer.tracer.rays import BITS, Ray, Sides
+from raytruth.reference_tracer.tracer.wavefront import trace
+from raytruth.reference_tracer.tracer.world import World
 
 
 def thing(kind: str, center=(0, 0, 0), *, material: dict | None = None, rotation: dict | None = None,

@@ -3,9 +3,9 @@
 import re
 from pathlib import Path
 
-from comparisons import results as documents
-from comparisons.results import Comparison, Gate, Machine, Results, Run, SceneRecord, Series, Timing
-from reference_tracer.tracer.image_files import save_npz
+from raytruth.comparisons import results as documents
+from raytruth.comparisons.results import Comparison, Gate, Machine, Results, Run, SceneRecord, Series, Timing
+from raytruth.reference_tracer.tracer.image_files import save_npz
 
 WIDTH, HEIGHT = 32, 24
 HOSTILE = "<script>alert('x')</script>\"&"

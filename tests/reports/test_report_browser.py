@@ -16,21 +16,21 @@ import test_report_plan
 import test_report_speed
 import test_report_stability
 import test_report_transport
+from raytruth.comparisons import document
+from raytruth.comparisons import results as documents
+from raytruth.comparisons.agreement import records
+from raytruth.comparisons.attribution import document as attribution
+from raytruth.comparisons.charting import document as charting
+from raytruth.comparisons.execution import store
+from raytruth.comparisons.planning import document as planning
+from raytruth.comparisons.stability import document as stability
+from raytruth.comparisons.transport import document as transport
+from raytruth.comparisons.verdicts.metrics import pixel_error, worst_pixels
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
 from report_support import ERROR_AT, HEIGHT, NAN_AT, UNDECIDED_AT, WIDTH, make_folder, make_results
 
-import reports
-from comparisons import document
-from comparisons import results as documents
-from comparisons.agreement import records
-from comparisons.attribution import document as attribution
-from comparisons.charting import document as charting
-from comparisons.execution import store
-from comparisons.planning import document as planning
-from comparisons.stability import document as stability
-from comparisons.transport import document as transport
-from comparisons.verdicts.metrics import pixel_error, worst_pixels
-from reference_tracer.scene import library
-from reference_tracer.tracer.image_files import to_8_bit
+from raytruth import reports
 
 pytestmark = pytest.mark.slow
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -210,7 +210,7 @@ def canvas_colour(page, row: int, col: int) -> list[int]:
 
 
 def test_both_sides_and_the_error_have_the_colours_of_their_numbers(visit, pictures):
-    from reports.figures import scale
+    from raytruth.reports.figures import scale
 
     page, place = opened(visit), (10, 16)
     expected = {"1": pictures["good"].color[place], "2": pictures["bad"].color[place]}
@@ -361,7 +361,7 @@ def test_the_first_page_filters(visit):
 
 
 def test_one_file_shows_a_scene_by_itself(browser, site, tmp_path, pictures):
-    from reports.single import single_file
+    from raytruth.reports.single import single_file
 
     results = make_results(pictures["good"].scene)
     file = single_file(site, results, "figure-05-sphere", tmp_path / "sphere.html")
@@ -378,9 +378,9 @@ def test_one_file_shows_a_scene_by_itself(browser, site, tmp_path, pictures):
 
 
 def test_ten_thousand_comparisons_are_filtered_within_a_second(browser, tmp_path):
-    from reports.build import environment, rendered, static
-    from reports.figures.pictures import Maps, ScenePictures
-    from reports.pages import arrange, front
+    from raytruth.reports.build import environment, rendered, static
+    from raytruth.reports.figures.pictures import Maps, ScenePictures
+    from raytruth.reports.pages import arrange, front
 
     one = make_results(library.scene("figure-05-sphere"))
     scene, verdicts = one.scenes[0], ("agrees", "agrees", "agrees", "expected", "differs")

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reports.figures import scale
+from raytruth.reports.text.words import VERDICTS
 from report_support import ERROR_AT, HOSTILE, MISMATCH_AT, NAN_AT, UNDECIDED_AT
 
-import reports
-from reference_tracer.errors import InputError
-from reports.figures import scale
-from reports.text.words import VERDICTS
+from raytruth import reports
 
-building = importlib.import_module("reports.build")  # the function of the same name hides it
+building = importlib.import_module("raytruth.reports.build")  # the function of the same name hides it
 
 VOID = {"meta", "link", "img", "br", "hr", "input"}
 

@@ -4,12 +4,11 @@ import itertools
 import re
 
 import pytest
+from raytruth.comparisons.results import Series
+from raytruth.reports.build import STATIC, environment, static
+from raytruth.reports.figures.charts import HEIGHT, MARKS, MOST_TICKS, PAGE, WIDTH, Axis, Line, chart, log_ticks
+from raytruth.reports.pages.front import study
 from report_support import HOSTILE, marks_of
-
-from comparisons.results import Series
-from reports.build import STATIC, environment, static
-from reports.figures.charts import HEIGHT, MARKS, MOST_TICKS, PAGE, WIDTH, Axis, Line, chart, log_ticks
-from reports.pages.front import study
 
 
 def drawn(*lines: Line, nothing=0.0, few=False, **more) -> str:

@@ -1,8 +1,7 @@
 """The table of decisions."""
 
 import pytest
-
-from reports.pages.decisions import Decision, parse, pieces, prose, read_decisions
+from raytruth.reports.pages.decisions import Decision, parse, pieces, prose, read_decisions
 
 TABLE = "text\n\n| id | section | question | decision |\n|---|---|---|---|\n| A1 | 4.1 | why | do `x` then y |\n\nend\n"
 

@@ -4,16 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from report_support import ERROR_AT, make_results
-
-import reports
-from comparisons import results as documents
-from comparisons.results import Effect
-from reference_tracer.scene import library
-from reference_tracer.tracer.image_files import to_8_bit
-from reports.cases import effects
-from reports.figures import scale
-from reports.pages.decisions import (
+from raytruth.comparisons import results as documents
+from raytruth.comparisons.results import Effect
+from raytruth.reference_tracer.scene import library
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
+from raytruth.reports.cases import effects
+from raytruth.reports.figures import scale
+from raytruth.reports.pages.decisions import (
     Decision,
     by_decision,
     last_printed_angle,
@@ -22,6 +19,9 @@ from reports.pages.decisions import (
     refraction_chart,
     refraction_curves,
 )
+from report_support import ERROR_AT, make_results
+
+from raytruth import reports
 
 DECISIONS = [Decision("C2", "5", "q", "d"), Decision("E1", "4", "q", "d"), Decision("M6", "4", "q", "d")]
 

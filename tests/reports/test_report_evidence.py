@@ -1,12 +1,9 @@
 """The effects one by one: who checked each, which faults were noticed, where two renderers part."""
 
 import pytest
-from report_support import HOSTILE, make_results
-
-import reports
-from comparisons import document
-from comparisons import results as documents
-from comparisons.attribution.document import (
+from raytruth.comparisons import document
+from raytruth.comparisons import results as documents
+from raytruth.comparisons.attribution.document import (
     FILE,
     Attribution,
     Evidence,
@@ -17,8 +14,11 @@ from comparisons.attribution.document import (
     WorstPixel,
     WrongOnPurpose,
 )
-from reference_tracer.scene import library
-from reports.pages.evidence import CHECKED, PREFIX
+from raytruth.reference_tracer.scene import library
+from raytruth.reports.pages.evidence import CHECKED, PREFIX
+from report_support import HOSTILE, make_results
+
+from raytruth import reports
 
 
 def attribution(stage="shadow") -> Attribution:

@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from raytruth.reports.figures import floats
+from raytruth.reports.figures.planes import read
 from report_support import HOSTILE, make_run
-
-from reports.figures import floats
-from reports.figures.planes import read
 
 
 def unpacked_characters(plane: dict) -> bytes:

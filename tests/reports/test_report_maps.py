@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-
-from reference_tracer.tracer.render import HIT, MISS
-from reports.figures import maps
-from reports.figures.maps import around_worst, spread
-from reports.figures.planes import Planes
+from raytruth.reference_tracer.tracer.render import HIT, MISS
+from raytruth.reports.figures import maps
+from raytruth.reports.figures.maps import around_worst, spread
+from raytruth.reports.figures.planes import Planes
 
 
 def planes(color=0.5, t=2.0, normal=(0.0, 0.0, -1.0), index=0, status=HIT) -> Planes:

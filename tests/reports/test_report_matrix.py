@@ -2,15 +2,14 @@
 
 import re
 
+from raytruth.comparisons.agreement.matrix import matrix as build_matrix
+from raytruth.comparisons.agreement.records import Absent, Dissent, Matrix, Member, Pair, Place, Tightness, write
+from raytruth.reports.build import environment, rendered
+from raytruth.reports.figures import scale
+from raytruth.reports.figures.scale import css
+from raytruth.reports.pages import arrange
+from raytruth.reports.pages.matrix import exponent, pages, shown
 from report_support import HOSTILE, make_results
-
-from comparisons.agreement.matrix import matrix as build_matrix
-from comparisons.agreement.records import Absent, Dissent, Matrix, Member, Pair, Place, Tightness, write
-from reports.build import environment, rendered
-from reports.figures import scale
-from reports.figures.scale import css
-from reports.pages import arrange
-from reports.pages.matrix import exponent, pages, shown
 
 
 def pair(first, second, p99, agrees=True, scene="ball", broken=""):
@@ -64,7 +63,7 @@ def test_the_finding_counts_pairs_and_scenes():
 
 
 def test_the_page_escapes_and_marks(tmp_path):
-    from reference_tracer.scene import library
+    from raytruth.reference_tracer.scene import library
 
     rows = [Tightness(tolerance="meshes", gate="color p99", limit=1e-3, unit="linear", scene="ball", share=0.3,
                       worse=HOSTILE, worse_scene="ball", worse_share=s, verdict=v, command="c")

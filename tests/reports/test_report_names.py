@@ -3,8 +3,7 @@
 import re
 
 import pytest
-
-from reports.text.words import slug
+from raytruth.reports.text.words import slug
 
 
 @pytest.mark.parametrize("text", ["../../etc/passwd", "a/b", "A", "a b", "", ".", "é", "x" * 500, "\x00b", "<>", "a.b"])

@@ -3,8 +3,7 @@
 import math
 
 import pytest
-
-from reports.text.numbers import MINUS, THIN, parts
+from raytruth.reports.text.numbers import MINUS, THIN, parts
 
 
 @pytest.mark.parametrize("value, text, exponent", [

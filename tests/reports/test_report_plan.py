@@ -4,15 +4,14 @@ import json
 
 import numpy as np
 import pytest
+from raytruth.comparisons.bench.document import Seconds, Spread
+from raytruth.comparisons.execution import store
+from raytruth.comparisons.planning import document as results
+from raytruth.comparisons.planning.document import DecisionRecord, MeshTrial, Plan, Proof, Ratio, Saved, Trial
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
+from raytruth.reports import build
 from report_support import HOSTILE
-
-from comparisons.bench.document import Seconds, Spread
-from comparisons.execution import store
-from comparisons.planning import document as results
-from comparisons.planning.document import DecisionRecord, MeshTrial, Plan, Proof, Ratio, Saved, Trial
-from reference_tracer.errors import InputError
-from reference_tracer.tracer.image_files import to_8_bit
-from reports import build
 
 WIDTH, HEIGHT = 8, 6
 

@@ -1,9 +1,8 @@
 """The error scale: colours must decode to the errors they stand for, on one scale for all maps."""
 
 import numpy as np
-
-from reports.figures import scale
-from reports.figures.scale import DECADES, EXACT, LEVELS, MISMATCH, NON_FINITE, TABLE, UNDECIDED, paint
+from raytruth.reports.figures import scale
+from raytruth.reports.figures.scale import DECADES, EXACT, LEVELS, MISMATCH, NON_FINITE, TABLE, UNDECIDED, paint
 
 
 def clear(shape) -> np.ndarray:

@@ -1,11 +1,8 @@
 """Speed against accuracy: where points stand, what the frontier is, and the pages."""
 
-from report_support import HOSTILE, make_results
-
-import reports
-from comparisons import document
-from comparisons.bench.document import Spread
-from comparisons.charting.document import (
+from raytruth.comparisons import document
+from raytruth.comparisons.bench.document import Spread
+from raytruth.comparisons.charting.document import (
     FILE,
     Accuracy,
     Chart,
@@ -18,8 +15,11 @@ from comparisons.charting.document import (
     Times,
     Uncertainty,
 )
-from reference_tracer.scene import library
-from reports.pages.speed import KINDS, Speed
+from raytruth.reference_tracer.scene import library
+from raytruth.reports.pages.speed import KINDS, Speed
+from report_support import HOSTILE, make_results
+
+from raytruth import reports
 
 
 def spread(seconds: float) -> Spread:

@@ -4,11 +4,8 @@ import json
 import re
 
 import pytest
-from report_support import HOSTILE, make_results, marks_of
-
-import reports
-from comparisons.stability import document as documents
-from comparisons.stability.document import (
+from raytruth.comparisons.stability import document as documents
+from raytruth.comparisons.stability.document import (
     KINDS,
     FamilyRecord,
     Finding,
@@ -19,10 +16,13 @@ from comparisons.stability.document import (
     Series,
     Stability,
 )
-from reference_tracer.errors import InputError
-from reference_tracer.scene import library
-from reports.build import STATIC, environment, static
-from reports.pages.stability import LEAST_SHARE, LETTERS, failures, law_lines, laws
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene import library
+from raytruth.reports.build import STATIC, environment, static
+from raytruth.reports.pages.stability import LEAST_SHARE, LETTERS, failures, law_lines, laws
+from report_support import HOSTILE, make_results, marks_of
+
+from raytruth import reports
 
 VALUES = [0.1, 0.01, 0.001, 0.0]
 

@@ -4,11 +4,11 @@ import importlib
 from pathlib import Path
 
 import pytest
+from raytruth.comparisons.stability import document as stability
 
-import reports
-from comparisons.stability import document as stability
+from raytruth import reports
 
-building = importlib.import_module("reports.build")  # the function of the same name hides it
+building = importlib.import_module("raytruth.reports.build")  # the function of the same name hides it
 
 
 @pytest.fixture
@@ -51,7 +51,7 @@ def test_any_change_of_source_or_report_builds_it_anew(folder, html, writes, cha
 
 
 def test_documents_and_source_are_in_the_fingerprint(folder, monkeypatch, tmp_path):
-    from comparisons import results as documents
+    from raytruth.comparisons import results as documents
 
     results = documents.read(folder)
     found = {building.fingerprint(results, folder)}

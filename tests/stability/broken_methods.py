@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import drjit as dr
-
-from comparisons.stability.methods import METHODS, Method
-from reference_tracer.first_hit.exact import cheapest_exact
+from raytruth.comparisons.stability.methods import METHODS, Method
+from raytruth.reference_tracer.first_hit.exact import cheapest_exact
 
 
 class SkipsRoots:

@@ -4,11 +4,10 @@ import dataclasses
 
 import pytest
 from broken_methods import FREE_NEWTON, SKIPS_ROOTS, WRONG_SIDE
-
-from comparisons.stability import cases as families
-from comparisons.stability.family import Law
-from comparisons.stability.measure import examine
-from comparisons.stability.methods import METHODS
+from raytruth.comparisons.stability import cases as families
+from raytruth.comparisons.stability.family import Law
+from raytruth.comparisons.stability.measure import examine
+from raytruth.comparisons.stability.methods import METHODS
 
 EXACT = next(m for m in METHODS if m.name == "exact")
 PAPER = METHODS[0]

@@ -5,15 +5,15 @@ import json
 import sys
 
 import pytest
+from raytruth.comparisons.execution import pool
+from raytruth.comparisons.stability import cases as families
+from raytruth.comparisons.stability import document as results
+from raytruth.comparisons.stability import measure
+from raytruth.comparisons.stability.cases import FAMILIES
+from raytruth.comparisons.stability.methods import METHODS
+from raytruth.reference_tracer.errors import InputError
 
-from comparisons.execution import pool
-from comparisons.stability import cases as families
-from comparisons.stability import document as results
-from comparisons.stability import measure
-from comparisons.stability.cases import FAMILIES
-from comparisons.stability.methods import METHODS
 from raytruth.commands import stability
-from reference_tracer.errors import InputError
 
 FEW = ["grazing", "root-set", "secondary-rays", "printed-refraction", "undefined-gap"]
 RAYS = 60
@@ -117,10 +117,10 @@ def test_the_command_prints_json(capsys, tmp_path, monkeypatch):
 
 WRONG_LAW = """
 import dataclasses
-from comparisons.execution import worker
-from comparisons.execution import pool
-from comparisons.stability import cases as families
-from comparisons.stability.family import Law
+from raytruth.comparisons.execution import worker
+from raytruth.comparisons.execution import pool
+from raytruth.comparisons.stability import cases as families
+from raytruth.comparisons.stability.family import Law
 family, = families.find(["horizon"])
 families.find = lambda names: [dataclasses.replace(family, laws=(Law("paper", "never", lambda p: 0.0),))]
 worker.main()

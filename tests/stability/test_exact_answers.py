@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 from flint import arb, ctx, fmpq, fmpq_poly
-
-from comparisons.stability import cases as families
-from comparisons.stability.exact import ball_crossings, crossings, rational, root_between
-from comparisons.stability.families.root_set import PROBLEMS
-from comparisons.stability.family import Draw
+from raytruth.comparisons.stability import cases as families
+from raytruth.comparisons.stability.exact import ball_crossings, crossings, rational, root_between
+from raytruth.comparisons.stability.families.root_set import PROBLEMS
+from raytruth.comparisons.stability.family import Draw
 
 
 def _certified(coefficients) -> list[tuple[arb, int]]:

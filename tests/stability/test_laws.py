@@ -5,11 +5,10 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-
-from comparisons.stability import cases as families
-from comparisons.stability.families.model import depth_rate
-from comparisons.stability.families.roots import horizon_rate
-from comparisons.stability.measure import CONFIDENCE, band
+from raytruth.comparisons.stability import cases as families
+from raytruth.comparisons.stability.families.model import depth_rate
+from raytruth.comparisons.stability.families.roots import horizon_rate
+from raytruth.comparisons.stability.measure import CONFIDENCE, band
 
 H, COUNT = 0.05, 40_000
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-
-from comparisons.stability.document import KINDS, MOST_EVALUATIONS, NAMES
-from comparisons.stability.family import Answer, Draw, Rays, classify
+from raytruth.comparisons.stability.document import KINDS, MOST_EVALUATIONS, NAMES
+from raytruth.comparisons.stability.family import Answer, Draw, Rays, classify
 
 INF, NAN = np.inf, np.nan
 CASES = [  # exact distance, other root, found, t, undecided, evaluations: kind

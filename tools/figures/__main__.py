@@ -13,9 +13,10 @@ import json
 import sys
 from pathlib import Path
 
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene import library
+
 from raytruth.arguments import Parser, require_file, whole
-from reference_tracer.errors import InputError
-from reference_tracer.scene import library
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections import Counter
 
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.camera_rays import camera_rays
-from reference_tracer.tracer.render import Renderer
-from reference_tracer.tracer.wavefront import MOST_RAYS, Wavefront
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.camera_rays import camera_rays
+from raytruth.reference_tracer.tracer.render import Renderer
+from raytruth.reference_tracer.tracer.wavefront import MOST_RAYS, Wavefront
 
 from .pixels import METHOD
 

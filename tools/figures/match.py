@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Camera, Scene, Tracing
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Camera, Scene, Tracing
 
 from .classes import classes
 from .pixels import levels

@@ -5,15 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-
-from reference_tracer.errors import InputError
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.camera_rays import camera_rays
-from reference_tracer.tracer.film import PlaneBuffer
-from reference_tracer.tracer.image_files import to_8_bit
-from reference_tracer.tracer.render import Renderer
-from reference_tracer.tracer.wavefront import MOST_RAYS
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.camera_rays import camera_rays
+from raytruth.reference_tracer.tracer.film import PlaneBuffer
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
+from raytruth.reference_tracer.tracer.render import Renderer
+from raytruth.reference_tracer.tracer.wavefront import MOST_RAYS
+from raytruth.reference_tracer.tracer.world import World
 
 METHOD = "paper"  # the published figures were made by the document's own method
 

@@ -11,12 +11,11 @@ from functools import partial
 
 import drjit as dr
 import numpy as np
-
-from reference_tracer.scene.model import Scene
-from reference_tracer.tracer.rays import Ray
-from reference_tracer.tracer.shading import Interaction, interact
-from reference_tracer.tracer.wavefront import Wave, trace
-from reference_tracer.tracer.world import World
+from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.rays import Ray
+from raytruth.reference_tracer.tracer.shading import Interaction, interact
+from raytruth.reference_tracer.tracer.wavefront import Wave, trace
+from raytruth.reference_tracer.tracer.world import World
 
 from ..exact import rational
 from ..family import About, Case, Draw, Law, ModelFamily, Observed, camera_rays, coded, judged, plane, scene, unit

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-
-from reference_tracer.surfaces.outside import BOX_MARGIN
+from raytruth.reference_tracer.surfaces.outside import BOX_MARGIN
 
 from ..document import MOST_EVALUATIONS
 from ..exact import ball_crossings, crossings, rational

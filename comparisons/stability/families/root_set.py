@@ -12,8 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-
-from reference_tracer.numbers import functions as fn
+from raytruth.reference_tracer.numbers import functions as fn
 
 from ..exact import root_between
 from ..family import About, Draw, Outcome, Rays, Shape

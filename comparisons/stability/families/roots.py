@@ -6,11 +6,10 @@ import math
 from functools import cache
 
 import numpy as np
-
-from reference_tracer.numbers.functions import sqrt
-from reference_tracer.surfaces.expression import Expression
-from reference_tracer.surfaces.heart import Heart
-from reference_tracer.surfaces.torus import Torus
+from raytruth.reference_tracer.numbers.functions import sqrt
+from raytruth.reference_tracer.surfaces.expression import Expression
+from raytruth.reference_tracer.surfaces.heart import Heart
+from raytruth.reference_tracer.surfaces.torus import Torus
 
 from ..exact import crossings
 from ..family import About, Draw, Law, Rays, Shape, SurfaceFamily, unit

@@ -1,7 +1,7 @@
 // A port of the document's ray tracer as a user would write it: one file, scalar, no intrinsics, no bounding boxes.
 //
 //   g++ -std=c++17 -O3 -march=native -pthread tracer.cpp -o tracer
-//   python -m converters.plain figure-17-scene1 scene.txt && ./tracer scene.txt picture.raw 2
+//   python -m raytruth.converters.plain figure-17-scene1 scene.txt && ./tracer scene.txt picture.raw 2
 //   raytruth check-port -- ./tracer --serve          (or --serve-exact: no root is missed that can be seen, the model's truth)
 //
 // Written from the document (sections in brackets) and reference_tracer/DECISIONS.md (ids such as M3), independently of
