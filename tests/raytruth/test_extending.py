@@ -76,7 +76,7 @@ def house(tmp_path):
     listed(tmp_path / "comparisons/renderers/__init__.py", "RENDERERS = {r.name: r for r in (",
            'RENDERERS = {r.name: r for r in (\n    Renderer("witness", "enclosures alone", "witness"),')
     (tmp_path / "comparisons/verdicts/bias.py").write_text(BIAS)
-    listed(tmp_path / "comparisons/verdicts/measure.py", "from .judge", "from .bias import bias\nfrom .judge")
+    listed(tmp_path / "comparisons/verdicts/measure.py", "\nfrom . import cond", "\nfrom .bias import bias\nfrom . import cond")
     listed(tmp_path / "comparisons/verdicts/measure.py", "METRICS = (", "METRICS = (bias, ")
     (tmp_path / "cylinder.json").write_text(json.dumps(SCENE))
     return tmp_path
