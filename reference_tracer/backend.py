@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -11,6 +13,23 @@ import drjit as dr
 
 from . import llvm
 from .errors import InputError
+
+
+def recorded(step: Callable) -> Callable:
+    """`step`, recorded once and replayed. No garbage is collected meanwhile: Dr.Jit ends the process where an array of another
+    recording is destroyed while it records."""
+    frozen = dr.freeze(step, warn_after=1 << 30)
+
+    def call(*inputs):
+        collects = gc.isenabled()
+        gc.disable()
+        try:
+            return frozen(*inputs)
+        finally:
+            if collects:
+                gc.enable()
+
+    return call
 
 
 @dataclass(frozen=True)

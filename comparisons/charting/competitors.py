@@ -9,7 +9,7 @@ from pathlib import Path
 
 import drjit as dr
 import numpy as np
-from raytruth.reference_tracer.backend import use_threads
+from raytruth.reference_tracer.backend import recorded, use_threads
 from raytruth.reference_tracer.errors import UnsupportedError
 from raytruth.reference_tracer.first_hit import Intersection
 from raytruth.reference_tracer.scene.model import Scene
@@ -71,7 +71,7 @@ class Ours(Competitor):
         self.scene, self.method, self.threads = scene.traced_with(**tracing), method, threads
         self.renderer = Renderer(self.scene, method, precision=precision, threads=threads)
         self.world = self.renderer.world
-        self._find = dr.freeze(self._nearest, warn_after=1 << 30)
+        self._find = recorded(self._nearest)
         self._rays = None
 
     def run(self, warm: bool = False) -> Run:

@@ -10,7 +10,7 @@ from typing import Any
 import drjit as dr
 import numpy as np
 
-from ..backend import backend, use_threads
+from ..backend import backend, recorded, use_threads
 from ..scene.model import Scene
 from .camera_rays import CameraRays, camera_rays
 from .film import HIT as HIT
@@ -105,7 +105,7 @@ class Renderer:
         self.threads = use_threads(threads)
         self.wavefront = Wavefront(self.world)
         self._watched: dict[int, Wavefront] = {}  # of recorders
-        self._first_hits = dr.freeze(self._first_hit, warn_after=1 << 30)
+        self._first_hits = recorded(self._first_hit)
 
     def show(self, scene: Scene, world: type[World] = World) -> None:
         """Goes on with a `scene` that differs from the one before in places alone: what is recorded is replayed with them."""

@@ -19,6 +19,7 @@ from typing import Protocol
 
 import drjit as dr
 
+from ..backend import recorded
 from .compilation import announce
 from .rays import BITS, Hit, Ray, Sides
 from .shading import Interaction, interact
@@ -217,7 +218,7 @@ class Wavefront:
                  disturb: Callable[[Wave], Ray] | None = None, recorder: Recorder | None = None):
         self.world, self.observe, self.disturb, self.recorder = world, observe, disturb, recorder
         self.rays, self._announced = 0, False
-        self._recorded = dr.freeze(self._step, warn_after=1 << 30)
+        self._recorded = recorded(self._step)
 
     def trace(self, source: Source, count: int, slots: int, primary: bool = True,
               progress: Callable[[Advance], None] | None = None) -> tuple[Film, Primary | None]:
