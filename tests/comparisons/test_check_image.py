@@ -1,14 +1,13 @@
 """check-image: right pictures pass, wrong ones fail, and the mistake that somebody made is the one that is named.
 
-The wrong pictures come from a C++ port with its text changed (port_mutants.py); what names them is NumPy.
+The wrong pictures come from a C++ port with its text changed (wrong_ports.py); what names them is NumPy.
 """
 
 import json
 
 import numpy as np
-import port_mutants
 import pytest
-from port_mutants import CHANGES, SCENE, SCENES, WRITERS
+import wrong_ports
 from raytruth.comparisons.ports import image_check
 from raytruth.comparisons.ports.image_check import check, likely_cause
 from raytruth.comparisons.ports.mistaken import Tracers, rendered
@@ -18,6 +17,7 @@ from raytruth.reference_tracer.errors import MissingError
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.tracer.image_files import to_8_bit, write_8_bit
 from raytruth.reference_tracer.tracer.render import render
+from wrong_ports import CHANGES, SCENE, SCENES, WRITERS
 
 from raytruth.cli import main
 
@@ -41,7 +41,7 @@ def truths_kept(monkeypatch, kept={}):  # noqa: B006  one for all tests
 @pytest.fixture(scope="module")
 def ports():
     try:
-        port_mutants.program()
+        wrong_ports.program()
     except MissingError as error:
         pytest.skip(str(error))
 
@@ -78,15 +78,15 @@ def test_single_precision_is_acceptable_and_told_apart_from_right():
 
 
 def test_the_right_port_passes(ports):
-    assert verdict(in_bytes(port_mutants.written((), SCENE)), SCENE).verdict == "pass"
-    assert verdict(in_floats(port_mutants.color((), SCENE)), SCENE).verdict in ("pass", "acceptable")
+    assert verdict(in_bytes(wrong_ports.written((), SCENE)), SCENE).verdict == "pass"
+    assert verdict(in_floats(wrong_ports.color((), SCENE)), SCENE).verdict in ("pass", "acceptable")
 
 
 # --- one mistake -------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("id", [*CHANGES, *SCENES, *WRITERS])
 def test_a_mistake_is_named_from_8_bits(ports, id):
     scene = SAMPLED if id in OF_SAMPLES else SCENE
-    found = verdict(in_bytes(port_mutants.written((id,), scene)), scene)
+    found = verdict(in_bytes(wrong_ports.written((id,), scene)), scene)
     assert found.verdict == "fail" and found.failing > 0
     assert [cause.id for cause in found.causes] == [id], (found.causes, found.note)
 
@@ -99,14 +99,14 @@ def test_a_mistake_is_named_from_8_bits(ports, id):
 def test_mistakes_made_together_are_all_named(ports, ids, bits):
     if bits == 64 and set(ids) & set(WRITERS):
         pytest.skip("a writer's mistake is one of bytes")
-    picture = in_bytes(port_mutants.written(ids, SCENE)) if bits == 8 else in_floats(port_mutants.color(ids, SCENE))
+    picture = in_bytes(wrong_ports.written(ids, SCENE)) if bits == 8 else in_floats(wrong_ports.color(ids, SCENE))
     found = verdict(picture, SCENE)
     assert {cause.id for cause in found.causes} == set(ids)
     assert found.explained >= 0.99 * found.traced and found.spoiled <= 0.01 * found.beside
 
 
 def test_an_amount_is_found(ports):
-    (cause,) = verdict(in_floats(port_mutants.color(("ambient",), SCENE)), SCENE).causes
+    (cause,) = verdict(in_floats(wrong_ports.color(("ambient",), SCENE)), SCENE).causes
     assert cause.amount == pytest.approx(0.07, abs=1e-5)
 
 
@@ -151,9 +151,9 @@ def test_every_mistake_of_the_catalogue_shows():
 
 def test_likely_cause_is_for_other_checkers(ports):
     scene = SCENE.resized(40, 30)
-    (found,) = likely_cause(scene, "paper", port_mutants.color(("no-shadows",), scene))
+    (found,) = likely_cause(scene, "paper", wrong_ports.color(("no-shadows",), scene))
     assert found[0] == "no-shadows" and found[2] > 0.9
-    assert likely_cause(scene, "paper", port_mutants.color((), scene)) == []
+    assert likely_cause(scene, "paper", wrong_ports.color((), scene)) == []
 
 
 # --- the command -------------------------------------------------------------------------------------------------------

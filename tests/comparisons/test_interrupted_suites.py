@@ -24,7 +24,8 @@ from raytruth.cli import main
 BALL = json.dumps({
     "name": "ball", "camera": {"width": 16, "height": 12}, "tracing": {"step_size": 2.5, "max_distance": 10, "max_depth": 1},
     "objects": [{"surface": {"type": "sphere", "center": [0, 0, 3], "r": 1}}], "lights": [{"position": [2, 2, 0]}]})
-KINDS = ("runs/*.json", "runs/*.npz", "measured/*.json", "attributions/*.json", "results.json", "matrix.json")
+KINDS = ("runs/*.json", "runs/*.npz", "measured/*.json", "attributions/*.json", "histories/*.json", "results.json",
+         "matrix.json")
 TIMES = ("created", "seconds", "machine", "timing", "cpu")
 
 

@@ -41,8 +41,10 @@ def test_dir_shows_the_api_and_every_name_is_there():
 
 def test_type_checkers_are_told_the_same_names():
     """What stands under TYPE_CHECKING, which nobody runs, against what is imported when it is used."""
-    block = next(node for node in ast.parse((HERE / "__init__.py").read_text()).body if isinstance(node, ast.If))
-    told = {alias.asname or alias.name: (node.module, alias.name) for node in block.body for alias in node.names}
+    block = next(node for node in ast.parse((HERE / "__init__.py").read_text()).body
+                 if isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING")
+    told = {alias.asname or alias.name: (node.module.removeprefix("raytruth."), alias.name)
+            for node in block.body for alias in node.names}
     assert told == rt._HOME and set(told) == set(rt.__all__)
     for package in ("raytruth", "reference_tracer", "converters", "comparisons"):
         assert (HERE.parent / package / "py.typed").exists()

@@ -231,7 +231,8 @@ def test_both_sides_and_the_error_have_the_colours_of_their_numbers(visit, pictu
     assert canvas_colour(page, *place) == scale.TABLE[scale.level(ERROR_AT[place])].tolist()[::-1]
     page.select_option("[data-part=most]", "0.01")  # 1e-3 is a tenth of the linear scale
     page.select_option("[data-part=kind]", "absolute")
-    assert canvas_colour(page, *place) == scale.TABLE[round(0.1 * (scale.LEVELS - 1))].tolist()
+    error = np.abs(pictures["bad"].color - pictures["good"].color)[place].max()
+    assert canvas_colour(page, *place) == scale.TABLE[int(error / 0.01 * (scale.LEVELS - 1) + 0.5)].tolist()
 
 
 def test_exposure_brightens_by_powers_of_two(visit, pictures):

@@ -73,7 +73,7 @@ def sphere_page(html: Path) -> Page:
 
 def test_every_link_and_picture_is_there(html):
     pages = {path: Page(path) for path in page_files(html)}
-    assert len(pages) == 7  # index, guide of two, effects, decisions, two scenes; no stability document, no page of it
+    assert len(pages) == 8  # index, guide of two, effects, decisions, published, two scenes; no stability document, no page of it
     for path, page in pages.items():
         assert len(page.ids) == len(set(page.ids))
         for link in page.links:

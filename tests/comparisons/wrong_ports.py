@@ -61,10 +61,12 @@ def statement(right: str, wrong: str, before: str = "") -> Change:
     return Change(right, wrong, before, statement=True)
 
 
+CROSSED = "if (inside != sides[k]) {\n                    "  # at a step, not at an exact root
+
 # what is changed for each mistake, by its id in the catalogue
 CHANGES: dict[str, tuple[Change, ...]] = {
-    "snell-as-printed": (Change("sin1 * (n1 / n2)", "sin1 * (n2 / n1)"),
-                         Change("std::sqrt(std::max(1 - sin2 * sin2, 0.0))", "std::sqrt(1 - sin2 * sin2)")),
+    "snell-as-printed": (Change("as_printed ? n2 / n1 : n1 / n2", "n2 / n1"),
+                         Change("as_printed ? 1 - sin2 * sin2 : std::max(1 - sin2 * sin2, 0.0)", "1 - sin2 * sin2")),
     "rows-from-the-bottom": (Change("ratio * (-row + scene.height * 0.5)", "ratio * (row - scene.height * 0.5)"),),
     "columns-from-the-right": (Change("ratio * (col - scene.width * 0.5)", "ratio * (scene.width * 0.5 - col)"),),
     "pixel-corners": (Change("camera.ray(scene, row + 0.5, col + 0.5)", "camera.ray(scene, row, col)"),),
@@ -89,8 +91,8 @@ CHANGES: dict[str, tuple[Change, ...]] = {
     "no-shadows": (Change(THROUGH, "1.0"),),
     "shadow-past-the-light": (Change(THROUGH, "light_through(point, shadow_dir, max_distance, sides)"),),
     "transparency-once": (statement("intensity *= objects[k].transparency;",
-                                    "if (inside) intensity *= objects[k].transparency;"),),
-    "glass-casts-full-shadow": (statement("intensity *= objects[k].transparency;", "intensity = 0;"),),
+                                    "if (inside) intensity *= objects[k].transparency;", CROSSED),),
+    "glass-casts-full-shadow": (statement("intensity *= objects[k].transparency;", "intensity = 0;", CROSSED),),
     "reflected-short": (Change("d + normal * (2 * cos1)", "d + normal * cos1"),),
     "no-reflection": (Change(MIX, "visible * (1 - R) * (1 - T) + refracted * T"),),
     "no-refraction": (Change(MIX, "(visible * (1 - R) + reflected * R) * (1 - T)"),),
