@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
+
 from raytruth.reference_tracer.errors import InputError
 
 from .execution.store import atomically

@@ -10,6 +10,7 @@ from functools import cached_property, partial
 from pathlib import Path
 
 from pydantic import ValidationError
+
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.image_files import save_npz

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 
 from . import renderers

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 from typing import TypeVar
 
 from pydantic import ValidationError
+
 from raytruth.reference_tracer.errors import InputError
 
 from .document import Record

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+
 from raytruth.reference_tracer.errors import MissingError, UnsupportedError
 from raytruth.reference_tracer.scene.model import Object, Scene
 from raytruth.reference_tracer.scene.placement import corners, reach_in_frame, rotation_matrix

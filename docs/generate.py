@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pydantic import BaseModel
+
 from raytruth.reference_tracer.scene import model
 
 MARKER = "<!-- generated: keys -->"

@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
+
 from raytruth.comparisons import results as comparison
 from raytruth.comparisons.execution.machine import packages, source_hash
 from raytruth.comparisons.results import Results

@@ -10,11 +10,12 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from skimage.morphology import dilation
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture
 from raytruth.reference_tracer.tracer.sensitivity import DIRECTION_UNITS, ORIGIN_UNITS, SAFETY, UNIT, Perturbations
-from skimage.morphology import dilation
 
 PROBES = 5
 AROUND = np.ones((3, 3), bool)

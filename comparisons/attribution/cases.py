@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import drjit as dr
+
 from raytruth.reference_tracer.tracer.optics import Optics, Refraction
 from raytruth.reference_tracer.tracer.world import World
 

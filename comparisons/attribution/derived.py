@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Scene
 from raytruth.reference_tracer.scene.placement import is_inside
 from raytruth.reference_tracer.tracer.camera import canvas_point, frame

@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene

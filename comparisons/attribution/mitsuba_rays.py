@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+
 from raytruth.converters.mitsuba import convert
 from raytruth.converters.mitsuba.variant import dr, mi
 from raytruth.reference_tracer.scene.model import Scene

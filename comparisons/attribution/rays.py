@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import Picture, Renderer, Watch
 

@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from skimage.morphology import erosion
+
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import Picture
 from raytruth.reference_tracer.tracer.sensitivity import UNIT
-from skimage.morphology import erosion
 
 from ..verdicts.metrics import pixel_error
 from . import derived

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import drjit as dr
 import numpy as np
+
 from raytruth.reference_tracer.backend import backend, use_threads
 from raytruth.reference_tracer.errors import InputError, UnsupportedError
 from raytruth.reference_tracer.first_hit import METHODS

@@ -13,11 +13,11 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+
+from raytruth import comparisons
 from raytruth.converters.plain import plain
 from raytruth.reference_tracer.errors import InputError, MissingError
 from raytruth.reference_tracer.scene.model import Scene
-
-from raytruth import comparisons
 
 from .timing import Cost
 

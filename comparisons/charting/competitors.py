@@ -9,6 +9,7 @@ from pathlib import Path
 
 import drjit as dr
 import numpy as np
+
 from raytruth.reference_tracer.backend import recorded, use_threads
 from raytruth.reference_tracer.errors import UnsupportedError
 from raytruth.reference_tracer.first_hit import Intersection

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 from raytruth.reference_tracer.tracer.sensitivity import SAFETY, UNIT, perturbed

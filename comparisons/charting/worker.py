@@ -31,6 +31,7 @@ def answer(request: dict) -> dict:
 def _judged(request: dict, scene) -> dict:
     """The first picture, for its accuracy; what it took to get there."""
     import drjit as dr
+
     from raytruth.reference_tracer.tracer.image_files import save_npz
 
     from ..execution.machine import forget_peak, peak_kib

@@ -17,6 +17,7 @@ from typing import TypeVar
 
 import numpy as np
 from pydantic import BaseModel
+
 from raytruth.reference_tracer.writing import UnwritableError, atomically
 
 from .code import code

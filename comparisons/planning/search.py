@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import Renderer, Watch, render
 from raytruth.reference_tracer.tracer.sensitivity import sensitivity

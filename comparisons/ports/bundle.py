@@ -22,6 +22,8 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+
+from raytruth import comparisons
 from raytruth.converters.plain import plain
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library
@@ -29,8 +31,6 @@ from raytruth.reference_tracer.scene.model import Scene, json_schema
 from raytruth.reference_tracer.tracer.film import HIT, MISS, PLANES, UNDECIDED
 from raytruth.reference_tracer.tracer.image_files import save_exr
 from raytruth.reference_tracer.tracer.render import Picture
-
-from raytruth import comparisons
 
 from ..verdicts.conditioning import Limits
 from . import vectors

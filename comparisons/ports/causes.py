@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 
 from .mistaken import Exhausted, Tracers

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Sequence
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import EFFECTS, Scene
 from raytruth.reference_tracer.tracer.render import render
 from raytruth.reference_tracer.tracer.sensitivity import PROBES

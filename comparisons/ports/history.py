@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.tracer.given_rays import GivenRays
 from raytruth.reference_tracer.tracer.render import Renderer

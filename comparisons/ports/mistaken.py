@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.reference_tracer.oracle.literal import Tangent
 from raytruth.reference_tracer.scene.model import Object, Scene
 from raytruth.reference_tracer.scene.placement import is_inside, rotation_matrix

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 
 Stage = Literal["camera", "hit", "normal", "shading", "shadow", "reflection", "refraction", "mixing", "recursion", "sampling",

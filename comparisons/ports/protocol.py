@@ -14,6 +14,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
 from raytruth.converters.plain import KINDS, plain
 from raytruth.reference_tracer.scene.load import one_line, printable
 from raytruth.reference_tracer.scene.model import Scene

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.tracer.film import PLANES, UNDECIDED
 from raytruth.reference_tracer.tracer.given_rays import GivenRays
 from raytruth.reference_tracer.tracer.render import Picture, Watch, render

@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.given_rays import GivenRays
 

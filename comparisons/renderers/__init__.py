@@ -13,6 +13,7 @@ from inspect import signature
 from typing import get_type_hints
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import Picture

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.converters.crossings import Crossings, Start
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.scene.placement import is_inside

@@ -9,6 +9,7 @@ import time
 from importlib.metadata import version
 
 import numpy as np
+
 from raytruth.converters.embree import EmbreeIntersector, convert
 from raytruth.converters.mesh import largest
 from raytruth.reference_tracer.scene.model import Scene

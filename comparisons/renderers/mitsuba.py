@@ -10,6 +10,7 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.converters.mesh import largest
 from raytruth.converters.mitsuba import MitsubaScene, convert, document_directions, pixel_directions
 from raytruth.converters.mitsuba.crossings import OFFSET, MitsubaHit, MitsubaIntersector, spawn

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 
 import numpy as np
+
 from raytruth.converters.povray import Conversion, convert, object_of, passes
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.camera import canvas_point, frame

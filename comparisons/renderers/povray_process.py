@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.errors import MissingError, UnsupportedError
 
 PROGRAM = "povray"

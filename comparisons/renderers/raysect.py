@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 
 import numpy as np
+
 from raytruth.converters.raysect import RaysectIntersector, error
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture

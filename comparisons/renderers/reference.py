@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture
 from raytruth.reference_tracer.tracer.render import render as trace

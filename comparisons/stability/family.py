@@ -12,6 +12,7 @@ from typing import Protocol
 
 import drjit as dr
 import numpy as np
+
 from raytruth.reference_tracer.backend import Backend, backend
 from raytruth.reference_tracer.first_hit import LocalRay, Solid
 from raytruth.reference_tracer.scene.load import parse_scene

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import drjit as dr
+
 from raytruth.reference_tracer.backend import Backend
 from raytruth.reference_tracer.first_hit import FirstHit, Intersection, LocalRay, Solid
 from raytruth.reference_tracer.first_hit.descartes import Descartes

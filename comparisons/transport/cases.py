@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.converters.mitsuba import sensor
 from raytruth.converters.mitsuba.dressed import (
     FAR,

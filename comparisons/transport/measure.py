@@ -16,6 +16,7 @@ from statistics import NormalDist
 
 import numpy as np
 from pydantic import ValidationError
+
 from raytruth.converters.mitsuba.radiance import Radiance
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture

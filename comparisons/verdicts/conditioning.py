@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.given_rays import GivenRays

@@ -6,6 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.load import parse_scene
 
 from ..execution.store import Store

@@ -7,6 +7,7 @@ quantiles, failing pixels and mismatches of hit and object.
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.reference_tracer.tracer.render import UNDECIDED
 
 VISIBLE = 1 / 255  # one step of an 8-bit picture

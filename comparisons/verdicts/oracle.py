@@ -9,6 +9,7 @@ from __future__ import annotations
 import zlib
 
 import numpy as np
+
 from raytruth.reference_tracer.oracle.literal import LiteralSearch, point_color, transmitted
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.scene.placement import is_inside

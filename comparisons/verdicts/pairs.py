@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
+
 from raytruth.reference_tracer.scene.model import Scene
 
 from ..document import Record

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.film import PLANES

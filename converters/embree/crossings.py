@@ -9,6 +9,7 @@ distances are always those of the undisplaced ray.
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.converters.crossings import Hit, Start
 from raytruth.reference_tracer.scene.model import Scene
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
+
 from raytruth.converters.mesh import Mesh, mesh_object
 from raytruth.reference_tracer.errors import MissingError
 from raytruth.reference_tracer.scene.model import Scene

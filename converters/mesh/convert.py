@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.model import Object, Scene
 from raytruth.reference_tracer.scene.placement import reach_in_frame

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+
 from raytruth.reference_tracer.numbers import Interval, OutwardInterval
 
 from .placed import CHUNK, Placed

@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from raytruth.reference_tracer.errors import InputError
 from skimage.measure import marching_cubes
+
+from raytruth.reference_tracer.errors import InputError
 
 from .occupied import may_hold
 from .placed import Placed

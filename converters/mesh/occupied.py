@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.reference_tracer.numbers import Interval
 
 from .placed import Placed

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+
 from raytruth.reference_tracer.numbers import Dual
 from raytruth.reference_tracer.scene.model import Object
 from raytruth.reference_tracer.scene.placement import corners_in_world, rotation_matrix

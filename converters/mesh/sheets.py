@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.reference_tracer.surfaces import Paraboloid, Plane
 
 FLAT_CELLS = 64  # along each side of a plane: fp32 rounds a vertex by 6e-8 of its distance, so near ones must exist

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from xml.etree import ElementTree
 
 import numpy as np
+
 from raytruth.converters.mesh import Mesh
 from raytruth.reference_tracer.scene.model import Material, Scene
 

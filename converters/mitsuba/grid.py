@@ -7,6 +7,7 @@ Mitsuba's "smooth" ones, which are as good; its "analytic" ones are O(h).
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.converters.mesh.error import kept
 from raytruth.converters.mesh.placed import Placed
 from raytruth.reference_tracer.errors import InputError

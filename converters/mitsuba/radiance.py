@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Camera
 
 from .sensor import document_directions

@@ -7,6 +7,7 @@ agreement says nothing of meshes or of roots.
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.reference_tracer.numbers import Dual
 from raytruth.reference_tracer.scene.model import Object
 from raytruth.reference_tracer.scene.placement import rotation_matrix

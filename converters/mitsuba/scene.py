@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.converters.mesh import mesh_object, mesh_to_error
 from raytruth.converters.mesh.placed import Placed
 from raytruth.reference_tracer.backend import backend

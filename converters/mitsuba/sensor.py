@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.reference_tracer.errors import UnsupportedError
 from raytruth.reference_tracer.scene.model import Camera
 from raytruth.reference_tracer.tracer.camera import canvas_point, frame

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.converters.mesh import Mesh
 from raytruth.converters.mesh.placed import Placed
 from raytruth.converters.mesh.sheets import Patch, plane_patch

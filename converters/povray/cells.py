@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+
 from raytruth.reference_tracer.numbers import Interval
 from raytruth.reference_tracer.scene.model import Object
 from raytruth.reference_tracer.scene.placement import rotation_matrix

@@ -9,6 +9,7 @@ end at 2e10 only: those that reach farther than max_distance from the camera are
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.converters.mesh.placed import Placed
 from raytruth.reference_tracer.scene.model import Object, Scene
 from raytruth.reference_tracer.scene.placement import corners, reach

@@ -9,6 +9,7 @@ so the body casts none; a twin in its place, seen by shadow rays alone, takes T 
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Material
 
 from .words import number

@@ -9,6 +9,7 @@ that the two are apart; where it proves neither, the scene is refused.
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.converters.mesh.placed import Placed
 from raytruth.reference_tracer.errors import UnsupportedError
 from raytruth.reference_tracer.scene.model import Object, Scene

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
+
 from raytruth.converters.mesh.occupied import tight_box
 from raytruth.converters.mesh.placed import Placed
 from raytruth.reference_tracer.errors import InputError, UnsupportedError

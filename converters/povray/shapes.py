@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from raytruth.converters.mesh.placed import Placed
 from raytruth.reference_tracer.scene.model import Object
 from raytruth.reference_tracer.scene.placement import rotation_matrix

@@ -6,9 +6,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from skimage.transform import resize
+
 from raytruth.comparisons.results import Results, read
 from raytruth.reference_tracer.tracer.image_files import load_npz, to_8_bit, write_8_bit
-from skimage.transform import resize
 
 COLUMNS, WIDTH, HEIGHT, GAP = 5, 240, 180, 6
 

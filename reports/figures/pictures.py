@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.comparisons.execution.store import Store, UnwritableError
 from raytruth.comparisons.results import Run
 from raytruth.comparisons.verdicts import conditioning

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.comparisons.results import Run
 from raytruth.reference_tracer.tracer.render import UNDECIDED
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
 import numpy as np
+
 from raytruth.comparisons.document import Record
 from raytruth.comparisons.results import Results, SceneRecord
 

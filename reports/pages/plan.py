@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.comparisons.planning.document import FILE, Plan, Plans, read
 
 from ..figures import scale

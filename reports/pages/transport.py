@@ -7,6 +7,7 @@ from itertools import groupby
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.comparisons.transport.document import FILE, CaseRecord, read
 from raytruth.reference_tracer.tracer.image_files import to_8_bit
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import drjit as dr
+
 from raytruth.reference_tracer import first_hit
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene

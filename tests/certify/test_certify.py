@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from certify_support import ClaimsTooMuch, IsOff, SkipsRoots, TakesSideFromSign, breaking, make_scene, mirror_and_glass, thing
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.certify import certify
 from raytruth.reference_tracer.certify.text import told

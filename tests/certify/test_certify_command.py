@@ -5,9 +5,9 @@ import json
 
 import pytest
 from certify_support import make_scene, thing
-from raytruth.reference_tracer.errors import InputError
 
 from raytruth.commands import certify as command
+from raytruth.reference_tracer.errors import InputError
 
 
 def _run(*words: str) -> int:

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from flint import arb, ctx
+
 from raytruth.reference_tracer.certify.line import follow, ray_polynomial
 from raytruth.reference_tracer.certify.origins import starts_along, starts_on
 from raytruth.reference_tracer.certify.reasons import why

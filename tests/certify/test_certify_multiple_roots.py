@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from certify_support import TrustsItsSide, breaking, make_scene, thing
 from flint import ctx
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.certify import certify
 from raytruth.reference_tracer.certify.census import Census

@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import pytest
 from flint import arb, arb_series, fmpq
+
 from raytruth.reference_tracer.certify.search import precision
 from raytruth.reference_tracer.numbers import NotAlgebraic
 from raytruth.reference_tracer.numbers import functions as fn

@@ -5,6 +5,7 @@ from decimal import Decimal, getcontext
 import pytest
 from certify_support import make_scene, thing
 from flint import arb, ctx, fmpq
+
 from raytruth.reference_tracer.certify.precise import Decision, PreciseTracer
 from raytruth.reference_tracer.certify.records import NOTHING, PRIMARY, REFLECTION, REFRACTION
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from raytruth.reference_tracer.certify.records import KINDS, row_type
 from raytruth.reference_tracer.certify.sample import Reservoir, edge_pixels, shares
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from certify_support import make_scene, mirror_and_glass, thing
 from flint import arb, ctx
+
 from raytruth.reference_tracer.certify import certify
 from raytruth.reference_tracer.certify.precise import PreciseTracer
 from raytruth.reference_tracer.tracer import world as worlds

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from certify_support import make_scene, thing
 from flint import ctx
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.certify.objects import Radius, local_rays, ray_of
 from raytruth.reference_tracer.certify.records import numpy, row_type

@@ -11,6 +11,7 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.tracer.render import Picture
 from raytruth.reference_tracer.tracer.render import render as trace
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import drjit as dr
 import numpy as np
+
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer import render as rendering

@@ -6,6 +6,8 @@ import shutil
 
 import numpy as np
 import pytest
+
+from raytruth.cli import main
 from raytruth.comparisons import results, suite
 from raytruth.comparisons.agreement import records
 from raytruth.comparisons.execution.pool import Pool
@@ -15,8 +17,6 @@ from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.tracer.image_files import load_npz
 from raytruth.reference_tracer.tracer.render import render
-
-from raytruth.cli import main
 
 
 def scene(name, radius=1.0):

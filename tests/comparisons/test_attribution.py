@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.attribution import cases, derived
 from raytruth.comparisons.attribution.bounds import SINGLE, accuracy_of, bounds
 from raytruth.comparisons.attribution.document import STAGES

@@ -3,6 +3,7 @@
 import sys
 
 import pytest
+
 from raytruth.comparisons import suite
 from raytruth.comparisons.attribution import cases, document, measure
 from raytruth.comparisons.attribution.measure import Task, make_all

@@ -4,6 +4,7 @@ import json
 import math
 
 import pytest
+
 from raytruth.comparisons import document
 from raytruth.comparisons.bench import cases, measure
 from raytruth.comparisons.bench import document as accepted

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.bench.document import Spread
 from raytruth.comparisons.charting.cases import FORMULAS, surface
 from raytruth.comparisons.charting.competitors import Ours, competitor

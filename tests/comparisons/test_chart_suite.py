@@ -5,13 +5,14 @@ import sys
 
 import numpy as np
 import pytest
+from workers import exit_code
+
 from raytruth.comparisons.charting import document as results
 from raytruth.comparisons.charting import measure
 from raytruth.comparisons.charting.cases import REFERENCE_SAMPLES, SWEEPS, Charted, Study, Sweep, chosen, studies
 from raytruth.comparisons.execution import pool
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import parse_scene
-from workers import exit_code
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 32, "height": 24}, "tracing": {"max_distance": 8},

@@ -8,6 +8,9 @@ import json
 import numpy as np
 import pytest
 import wrong_ports
+from wrong_ports import CHANGES, SCENE, SCENES, WRITERS
+
+from raytruth.cli import main
 from raytruth.comparisons.ports import image_check
 from raytruth.comparisons.ports.image_check import check, likely_cause
 from raytruth.comparisons.ports.mistaken import Tracers, rendered
@@ -17,9 +20,6 @@ from raytruth.reference_tracer.errors import MissingError
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.tracer.image_files import to_8_bit, write_8_bit
 from raytruth.reference_tracer.tracer.render import render
-from wrong_ports import CHANGES, SCENE, SCENES, WRITERS
-
-from raytruth.cli import main
 
 SAMPLED = SCENE.resized(40, 30, 2)
 OF_SAMPLES = ("samples-at-corners", "divided-by-n")

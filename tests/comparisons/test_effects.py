@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.effects import ALTERNATIVES, requests
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.model import Camera, Tracing

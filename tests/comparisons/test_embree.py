@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.renderers import embree, mitsuba
 from raytruth.comparisons.verdicts import metrics
 from raytruth.converters.embree import EmbreeIntersector, Solid, convert

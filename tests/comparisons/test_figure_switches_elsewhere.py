@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.renderers import embree, mitsuba
 from raytruth.converters.mitsuba import convert, document_directions, sensor
 from raytruth.converters.mitsuba.dressed import dressed

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons import renderers
 from raytruth.comparisons.attribution import followed
 from raytruth.reference_tracer.scene import library

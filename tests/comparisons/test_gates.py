@@ -4,6 +4,7 @@ from dataclasses import astuple
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.results import Run
 from raytruth.comparisons.verdicts import metrics, tolerances
 from raytruth.comparisons.verdicts.conditioning import Limits, apart

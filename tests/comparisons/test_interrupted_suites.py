@@ -12,13 +12,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_misbehaving import wait_until_gone
+
+from raytruth.cli import main
 from raytruth.comparisons.execution.store import Store
 from raytruth.comparisons.verdicts import conditioning
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.tracer.image_files import load_npz
-from test_misbehaving import wait_until_gone
-
-from raytruth.cli import main
 
 # the literal method's step is longer than the ball is thick at its rim: its comparison is expected, and has an attribution
 BALL = json.dumps({

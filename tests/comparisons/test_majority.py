@@ -1,6 +1,7 @@
 """Who is the odd one out: votes by hand."""
 
 import pytest
+
 from raytruth.comparisons.results import Run
 from raytruth.comparisons.verdicts.majority import odd_ones, stages_of
 

@@ -3,6 +3,8 @@
 import json
 
 import pytest
+from workers import MISBEHAVING
+
 from raytruth.comparisons import renderers, suite
 from raytruth.comparisons.agreement import records, tightness
 from raytruth.comparisons.execution import pool
@@ -13,7 +15,6 @@ from raytruth.comparisons.verdicts.pairs import Measured
 from raytruth.comparisons.verdicts.tolerances import DOUBLE, MESH, NATIVE, TRACERS, Tolerance, between
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import parse_scene
-from workers import MISBEHAVING
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 48, "height": 32},

@@ -11,15 +11,15 @@ from pathlib import Path
 
 import pytest
 from misbehaving import WAYS
+from workers import MISBEHAVING, interruptible
+
+from raytruth.cli import main
 from raytruth.comparisons import renderers
 from raytruth.comparisons.execution import pool
 from raytruth.comparisons.execution.pool import Pool
 from raytruth.comparisons.execution.process import Worker
 from raytruth.comparisons.runs import Request, RunStore
 from raytruth.reference_tracer.scene.load import parse_scene
-from workers import MISBEHAVING, interruptible
-
-from raytruth.cli import main
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},

@@ -4,6 +4,8 @@ import json
 import shutil
 
 import pytest
+
+from raytruth.__main__ import main
 from raytruth.comparisons import renderers, suite
 from raytruth.comparisons.agreement import records
 from raytruth.comparisons.agreement.tightness import HELD
@@ -14,8 +16,6 @@ from raytruth.converters.povray import convert
 from raytruth.reference_tracer.errors import UnsupportedError
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Tracing
-
-from raytruth.__main__ import main
 
 BALL = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},

@@ -5,6 +5,8 @@ import sys
 
 import numpy as np
 import pytest
+
+from raytruth.cli import main
 from raytruth.comparisons import suite
 from raytruth.comparisons.agreement import records
 from raytruth.comparisons.execution import pool
@@ -14,8 +16,6 @@ from raytruth.comparisons.verdicts.judge import literal
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.tracer.render import render
-
-from raytruth.cli import main
 
 # a mirror and a matte ball over a floor; steps of 0.7 miss rims and shadows
 SCENE = parse_scene(json.dumps({

@@ -8,6 +8,7 @@ import zlib
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.ports.picture import read
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library

@@ -5,6 +5,7 @@ import json
 import drjit as dr
 import numpy as np
 import pytest
+
 from raytruth.comparisons.execution.store import Store
 from raytruth.comparisons.verdicts import conditioning as module
 from raytruth.comparisons.verdicts.conditioning import Accuracy, apart, limits

@@ -5,6 +5,10 @@ import json
 import numpy as np
 import pytest
 from planning_support import BALL, HEIGHT, WIDTH, corridor, scene
+from workers import exit_code
+
+from raytruth.cli import main
+from raytruth.commands.plan import FEWEST_TURNS, text
 from raytruth.comparisons.bench.document import Spread
 from raytruth.comparisons.planning import document as results
 from raytruth.comparisons.planning import measure
@@ -12,10 +16,6 @@ from raytruth.comparisons.planning.search import Decision, Search, Yardstick, de
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import load_scene
 from raytruth.reference_tracer.tracer.render import render
-from workers import exit_code
-
-from raytruth.cli import main
-from raytruth.commands.plan import FEWEST_TURNS, text
 
 TOLERANCE = 1e-3
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from planning_support import BALL, FLOOR, HEIGHT, REFLECTION, WIDTH, corridor, scene, searching
+
 from raytruth.comparisons.planning.decisions import (
     cheapest,
     cutoff,

@@ -9,12 +9,13 @@ import time
 from pathlib import Path
 
 import pytest
+from test_misbehaving import alive, wait_until_gone
+from workers import child, interruptible
+
 from raytruth.comparisons.execution import pool
 from raytruth.comparisons.execution.pool import Pool, Silent, Task, complete
 from raytruth.comparisons.execution.store import Store, UnwritableError
 from raytruth.comparisons.progress import Cases
-from test_misbehaving import alive, wait_until_gone
-from workers import child, interruptible
 
 DOES = """
 do = arguments["do"]

@@ -6,6 +6,7 @@ import stat
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.renderers import povray, povray_process
 from raytruth.comparisons.renderers.povray_process import PovrayError, run
 from raytruth.converters.povray import convert

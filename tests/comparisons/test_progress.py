@@ -9,6 +9,7 @@ import threading
 import time
 
 import pytest
+
 from raytruth.comparisons import progress as module
 from raytruth.comparisons.progress import Progress
 

@@ -7,6 +7,8 @@ from dataclasses import replace
 import drjit as dr
 import pytest
 from flint import arb
+
+from raytruth.cli import main
 from raytruth.comparisons.random_scenes import grammar, suite, worker
 from raytruth.comparisons.random_scenes.arithmetic import Formula, Taylor, rational
 from raytruth.comparisons.random_scenes.judge import Judge
@@ -17,8 +19,6 @@ from raytruth.reference_tracer.tracer.families import Member
 from raytruth.reference_tracer.tracer.rays import Sides
 from raytruth.reference_tracer.tracer.render import render
 from raytruth.reference_tracer.tracer.world import World
-
-from raytruth.cli import main
 
 FEW = (16, 32, 88, 128, 136, 144, 168, 184, 208, 216)  # of many kinds
 

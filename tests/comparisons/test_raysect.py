@@ -4,15 +4,15 @@ import json
 
 import numpy as np
 import pytest
+
+import raytruth as rt
+from raytruth.cli import main
 from raytruth.comparisons.renderers import raysect
 from raytruth.comparisons.verdicts import metrics
 from raytruth.converters import raysect as converter
 from raytruth.converters.crossings import Start
 from raytruth.reference_tracer.errors import MissingError, UnsupportedError
 from raytruth.reference_tracer.scene.model import Tracing
-
-import raytruth as rt
-from raytruth.cli import main
 
 needs_raysect = pytest.mark.skipif(converter.World is None, reason="raysect is not installed")
 TURN = rt.Rotation(axis=(1.0, 0.4, 0.2), degrees=35.0)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from mutants import MUTANTS, SCENE, right
+
 from raytruth.comparisons import renderers
 from raytruth.comparisons.attribution.measure import attribute
 from raytruth.comparisons.execution.store import Store

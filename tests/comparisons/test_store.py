@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from raytruth.cli import main
 from raytruth.comparisons import runs, suite
 from raytruth.comparisons.execution import code, store
 from raytruth.comparisons.execution.code import closure
@@ -16,8 +18,6 @@ from raytruth.comparisons.execution.store import Store, UnwritableError, atomica
 from raytruth.comparisons.results import Run, Timing
 from raytruth.comparisons.runs import Request
 from raytruth.reference_tracer.scene.load import parse_scene
-
-from raytruth.cli import main
 
 BALL = json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},

@@ -7,6 +7,8 @@ import sys
 import textwrap
 
 import pytest
+from workers import child
+
 from raytruth.comparisons import renderers, suite
 from raytruth.comparisons.execution import pool
 from raytruth.comparisons.execution.pool import Pool
@@ -15,7 +17,6 @@ from raytruth.comparisons.results import read
 from raytruth.comparisons.runs import Request, RunStore
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import parse_scene
-from workers import child
 
 SCENE = parse_scene(json.dumps({
     "name": "ball", "camera": {"width": 24, "height": 16},

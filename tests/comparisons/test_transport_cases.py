@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.transport import cases
 from raytruth.comparisons.transport.cases import CORNER_LIGHT, NOISY, ball, glow, scene
 from raytruth.comparisons.transport.measure import measure

@@ -5,14 +5,14 @@ import textwrap
 
 import numpy as np
 import pytest
+from workers import child, exit_code
+
+from raytruth.cli import main
 from raytruth.comparisons.execution import pool
 from raytruth.comparisons.transport import cases, measure
 from raytruth.comparisons.transport import document as results
 from raytruth.converters.mitsuba.radiance import Radiance
 from raytruth.reference_tracer.errors import InputError
-from workers import child, exit_code
-
-from raytruth.cli import main
 
 CHOSEN = cases.find(["diffuse", "mirror-blend"])
 GATES = [{"name": "color p99", "value": 1e-6, "limit": 2e-5, "holds": True, "means": "m"}]

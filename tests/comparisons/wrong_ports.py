@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.comparisons.bench import port
 from raytruth.converters.plain import plain
 from raytruth.reference_tracer.scene.load import parse_scene

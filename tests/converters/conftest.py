@@ -1,4 +1,5 @@
 import pytest
+
 from raytruth.reference_tracer.scene.model import Camera, Light, Object, Scene
 
 

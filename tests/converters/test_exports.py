@@ -13,6 +13,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import trimesh
+
 from raytruth.comparisons.bench import port
 from raytruth.comparisons.renderers import povray
 from raytruth.comparisons.verdicts.metrics import interior

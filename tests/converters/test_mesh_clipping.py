@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from raytruth.converters.mesh import check
 from raytruth.converters.povray import convert as convert_to_povray
 from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Rotation, Tracing

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from raytruth.converters.mesh import check
 from raytruth.converters.mesh.marching import BRICK, Grid
 from raytruth.converters.mesh.placed import Placed
@@ -107,8 +108,9 @@ def test_the_spindle_torus_has_no_inner_sheet(mesh_of):
 
 def test_bricks_give_what_one_volume_gives():
     """Independent computation: marching cubes over the whole grid at once, projected radially."""
-    from raytruth.converters.mesh.marching import march
     from skimage.measure import marching_cubes
+
+    from raytruth.converters.mesh.marching import march
 
     placed = Placed(Object(surface=SPHERE))
     vertices, faces, cell = march(placed, placed.box, 3 * BRICK)

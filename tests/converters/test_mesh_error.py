@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from raytruth.converters.mesh import check, mesh_object, mesh_to_error
 from raytruth.converters.mesh.error import bounds, of_normals, of_triangles
 from raytruth.converters.mesh.placed import Placed

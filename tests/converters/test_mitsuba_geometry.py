@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.renderers.embree import render as render_embree
 from raytruth.comparisons.renderers.mitsuba import render as render_mitsuba
 from raytruth.converters.mitsuba import convert, pixel_directions, sensor

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.renderers.mitsuba import render as render_mitsuba
 from raytruth.reference_tracer.scene.model import Camera, Light, Material, Object, Tracing
 from raytruth.reference_tracer.surfaces import Ellipsoid, Plane, Sphere, Torus

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.renderers.mitsuba import render as render_mitsuba
 from raytruth.converters.mitsuba import refine
 from raytruth.reference_tracer.scene.model import Material, Object, Rotation

@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+
 from raytruth.converters.mesh.placed import Placed
 from raytruth.converters.povray import convert, object_of, scene_text
 from raytruth.converters.povray.distance import far_shadows

@@ -12,9 +12,8 @@ import random
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from raytruth.reference_tracer.scene import library
-
 from raytruth.cli import COMMANDS
+from raytruth.reference_tracer.scene import library
 
 LENGTHS = ("compare", "transport", "stability", "chart", "plan", "attribute", "report", "doctor")  # take long when all is well
 

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from raytruth.cli import main
 from raytruth.comparisons.ports import bundle, vectors
 from raytruth.comparisons.ports.cases import Case
 from raytruth.comparisons.ports.truth import Truths
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.load import load_scene
-
-from raytruth.cli import main
 
 # an interface: a change of the list is a new version of the specification, and a new line here
 FILES = {"1.0.0": (660, "3ebab71d96e2806d3e49703fcb082542ad98c816abfb4a81c35b5dc1fa3a55f2")}

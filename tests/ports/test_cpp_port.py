@@ -4,6 +4,7 @@ import subprocess
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.bench import port
 from raytruth.converters.plain import plain
 from raytruth.reference_tracer.errors import MissingError, UnsupportedError

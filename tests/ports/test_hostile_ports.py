@@ -8,14 +8,14 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+
+from raytruth.cli import main
 from raytruth.comparisons.ports import check, document
 from raytruth.comparisons.ports.cases import chosen
 from raytruth.comparisons.ports.document import Check
 from raytruth.comparisons.ports.session import Failure, Port, _processes
 from raytruth.comparisons.ports.truth import Truths
 from raytruth.comparisons.suites import head
-
-from raytruth.cli import main
 
 PROGRAM = Path(__file__).with_name("hostile.py")
 SECONDS = 3.0  # that an answer may take here

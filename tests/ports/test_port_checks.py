@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import port_mutants as mutants
 import pytest
+
+from raytruth.cli import main
 from raytruth.comparisons.bench import port as cpp
 from raytruth.comparisons.ports import cases as all_cases
 from raytruth.comparisons.ports import check, vectors
@@ -21,8 +23,6 @@ from raytruth.comparisons.suites import head
 from raytruth.reference_tracer.errors import InputError, MissingError
 from raytruth.reference_tracer.oracle.literal import LiteralSearch, point_color
 from raytruth.reference_tracer.scene import library
-
-from raytruth.cli import main
 
 NUMPY = [sys.executable, str(mutants.NUMPY_SOURCE)]
 SOON = ["algorithm:surfaces", "algorithm:events", "algorithm:switches", "algorithm:pictures"]

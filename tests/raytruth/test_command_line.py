@@ -325,11 +325,10 @@ def test_no_shipped_scene_is_too_large_for_a_command_that_is_allowed_nothing(com
     """`raytruth certify` alone takes every shipped scene, each at its own size."""
     from importlib import import_module
 
+    from raytruth import memory
     from raytruth.reference_tracer.scene import library
     from raytruth.reference_tracer.tracer import estimate
     from raytruth.reference_tracer.tracer.film import PLANES
-
-    from raytruth import memory
 
     beside = import_module(f"raytruth.commands.{command}").BESIDE
     for name in (*library.names(), *library.effects()):

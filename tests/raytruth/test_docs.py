@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from raytruth.reference_tracer.scene.load import load_scene
 
 from raytruth.cli import main
+from raytruth.reference_tracer.scene.load import load_scene
 
 HERE = Path(__file__).resolve().parents[2]
 PAGES = sorted([*(HERE / "docs").rglob("*.md"), HERE / "README.md"])

@@ -11,9 +11,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 import trimesh
-from raytruth.reference_tracer.tracer.image_files import to_8_bit
 
 import raytruth as rt
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
 
 HERE = Path(rt.__file__).parent
 

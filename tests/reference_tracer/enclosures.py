@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from flint import arb, arb_series, ctx
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.numbers import composed
 from raytruth.reference_tracer.numbers import functions as fn

@@ -7,11 +7,12 @@ import sys
 import drjit as dr
 import numpy as np
 import pytest
+from tracing_support import make_scene, thing
+
 from raytruth.reference_tracer import llvm
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, thing
 
 
 def folder_with(path, *names):

@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, random_rays, shine, shoot, thing
+
 from raytruth.reference_tracer.certify import certify
 from raytruth.reference_tracer.certify.text import told
 from raytruth.reference_tracer.errors import InputError
@@ -13,7 +15,6 @@ from raytruth.reference_tracer.scene.promises import unproven
 from raytruth.reference_tracer.surfaces import KINDS, Bounds, Ellipsoid, Expression, Heart, Sphere, Torus
 from raytruth.reference_tracer.surfaces.outside import Outside, outside
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, random_rays, shine, shoot, thing
 
 TURN = {"axis": [1, 1, 0], "degrees": 40}
 QUARTIC = "x**4 + y**4 + z**4 - 1"

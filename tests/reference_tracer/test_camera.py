@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, thing, unit
+
 from raytruth.reference_tracer.scene.model import Camera
 from raytruth.reference_tracer.tracer.camera import canvas_point, frame
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, thing, unit
 
 OBLIQUE = {"position": [0.5, -0.25, -2.0], "direction": [0.3, -0.2, 2.0], "up": [0.1, 1.0, 0.3], "fov": 75}
 

@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, random_rays, shine, shoot, thing, unit
+
 from raytruth.reference_tracer.certify import certify
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.oracle import literal
@@ -12,7 +14,6 @@ from raytruth.reference_tracer.scene.model import Object, Scene, json_schema
 from raytruth.reference_tracer.scene.placement import rotation_matrix
 from raytruth.reference_tracer.surfaces import Bounds, Clipped, Sphere
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, random_rays, shine, shoot, thing, unit
 
 TURN = {"axis": [1, 2, -0.5], "degrees": 33}
 UPPER = {"low": [-2, -2, 0], "high": [2, 2, 2]}

@@ -1,6 +1,7 @@
 """That a command hears of what is to be compiled, before it is, in proportion to what has been recorded."""
 
 import pytest
+
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.compilation import heard
 from raytruth.reference_tracer.tracer.render import render

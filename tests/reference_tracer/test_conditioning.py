@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, thing
+
 from raytruth.reference_tracer.surfaces import Expression
 from raytruth.reference_tracer.surfaces.conditioning import shift
 from raytruth.reference_tracer.tracer.film import UNDECIDED
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, thing
 
 BALL = "x**2 + y**2 + z**2 - 1"
 

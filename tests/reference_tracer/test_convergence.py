@@ -1,8 +1,9 @@
 """The algorithm's truth converges to the model's truth: smaller steps, fewer wrong pixels, at last none."""
 
 import numpy as np
-from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, thing
+
+from raytruth.reference_tracer.tracer.render import render
 
 TURN = {"axis": [1, 2, 0.3], "degrees": 50}
 SCENE = make_scene(thing("sphere", (-0.9, 0.3, 4), r=0.7), thing("torus", (0.7, -0.1, 4), R=0.8, r=0.25, rotation=TURN),

@@ -4,10 +4,11 @@ import json
 
 import numpy as np
 import pytest
+from tracing_support import shoot
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import shoot
 
 BALL = {"type": "sphere", "r": 1}
 CUBE = {"type": "expression", "formula": "max(|x|, |y|, |z|) = R", "parameters": {"R": 0.8}, "bounds": {"low": [-0.8] * 3, "high": [0.8] * 3}}

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from raytruth.reference_tracer.first_hit import METHODS
-from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 from tracing_support import follow, make_scene, shine, shoot, thing, unit
 
 from raytruth import reference_tracer
+from raytruth.reference_tracer.first_hit import METHODS
+from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 
 FORWARD = (0, 0, 1)
 TRUTHS = ("paper", "exact")

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.numbers import Dual
 from raytruth.reference_tracer.numbers import functions as fn

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from enclosures import CASES, FLOATS, KINDS, Kind, check, float_errors
 from flint import arb
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.certify.search import precision
 from raytruth.reference_tracer.numbers import Dual, Interval, NotAlgebraic, OutwardInterval, Polynomial, interval
@@ -137,6 +138,7 @@ def test_a_power_at_zero_has_the_value_and_the_slope_it_has():
 def test_a_power_over_a_ball_that_reaches_zero_keeps_the_derivatives_that_exist():
     """|x|^p about 0: all of value, p x^(p-1) and p (p-1)/2 x^(p-2) lie between 0 and their value at the end, 0.1."""
     from flint import arb, arb_series
+
     from raytruth.reference_tracer.certify.search import precision
     with precision(96):
         x = Series(arb_series([arb(0.05, 0.05), arb(1)]), nonnegative=True)

@@ -8,13 +8,14 @@ import warnings
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, thing
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.surfaces import Expression
 from raytruth.reference_tracer.surfaces.formula_functions import LARGEST_EXPONENT
 from raytruth.reference_tracer.tracer.render import UNDECIDED, render
-from tracing_support import make_scene, thing
 
 POINTS = [(0.7, -1.3, 2.1), (-0.4, 0.9, 0.3), (1.5, 2.5, -0.8)]
 NAMES = {name: getattr(math, name) for name in ("sqrt", "sin", "cos", "tan", "exp", "log", "pi")} | {

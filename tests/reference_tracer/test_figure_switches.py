@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 from all_steps import AllSteps
 from closed_forms import Exact
+from test_wavefront_against_recursion import COMMON, FLOOR, GLASS, MIRROR, TOLERANCE
+from tracing_support import follow, make_scene, thing, unit
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.oracle import literal
@@ -19,8 +22,6 @@ from raytruth.reference_tracer.tracer import world as worlds
 from raytruth.reference_tracer.tracer.optics import Optics
 from raytruth.reference_tracer.tracer.render import Renderer, render
 from raytruth.reference_tracer.tracer.world import World
-from test_wavefront_against_recursion import COMMON, FLOOR, GLASS, MIRROR, TOLERANCE
-from tracing_support import follow, make_scene, thing, unit
 
 import drjit as dr  # isort: skip  # after the LLVM that it is to load has been chosen
 

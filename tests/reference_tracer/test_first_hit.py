@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 from closed_forms import line_crossings
-from raytruth.reference_tracer.first_hit import METHODS
 from tracing_support import make_scene, random_rays, shine, shoot, thing, unit
+
+from raytruth.reference_tracer.first_hit import METHODS
 
 TURNED = {"axis": [1, 2, -0.5], "degrees": 33}
 THINGS = {

@@ -4,6 +4,7 @@ import json
 import random
 
 import pytest
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import json_schema

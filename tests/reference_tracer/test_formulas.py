@@ -7,6 +7,8 @@ import warnings
 import numpy as np
 import pytest
 from flint import arb
+from tracing_support import make_scene, shoot, thing
+
 from raytruth.reference_tracer.certify.line import follow
 from raytruth.reference_tracer.certify.search import precision
 from raytruth.reference_tracer.errors import InputError
@@ -17,7 +19,6 @@ from raytruth.reference_tracer.surfaces.expression import Bounds, forms_of
 from raytruth.reference_tracer.surfaces.formula import FormulaError
 from raytruth.reference_tracer.surfaces.formula_parser import parse_formula
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, shoot, thing
 
 BOX = {"low": [-1.5] * 3, "high": [1.5] * 3}
 

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from formulas_as_written import FORMULAS, REFUSED, Written
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.surfaces import Expression

@@ -5,10 +5,11 @@ import json
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+from tracing_support import make_scene, thing
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.tracer.image_files import PLANES, load_npz, save, to_8_bit, write_8_bit
 from raytruth.reference_tracer.tracer.render import HIT, MISS, render
-from tracing_support import make_scene, thing
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.numbers import Dual, Interval, OutwardInterval
 from raytruth.reference_tracer.numbers import functions as fn

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, shoot, thing
+
 from raytruth.reference_tracer.certify.line import follow
 from raytruth.reference_tracer.surfaces import Expression
 from raytruth.reference_tracer.tracer.render import UNDECIDED, render
-from tracing_support import make_scene, shoot, thing
 
 BALL = "x^2 + y^2 + (z - 5)^2 - 1"
 

@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
-import raytruth.reference_tracer.tracer.render as render_module
 from closed_forms import Exact
+from tracing_support import make_scene, thing
+
+import raytruth.reference_tracer.tracer.render as render_module
 from raytruth.reference_tracer.backend import use_threads
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.oracle import literal
 from raytruth.reference_tracer.tracer import wavefront
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, thing
 
 GLASS = {"color": [0.2, 0.3, 0.2], "reflection": 0.3, "transparency": 0.6, "refractive_index": 1.4}
 OBJECTS = [thing("sphere", (-0.6, 0, 4), r=1, material=GLASS),

@@ -25,9 +25,9 @@ import test_shading as shading
 import test_surfaces as surfaces
 import test_ties as ties
 import test_wavefront_against_recursion as against_recursion
-from raytruth.reference_tracer.errors import InputError
 
 from raytruth import reference_tracer
+from raytruth.reference_tracer.errors import InputError
 
 
 @dataclass

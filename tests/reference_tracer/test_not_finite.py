@@ -9,6 +9,7 @@ import drjit as dr
 import numpy as np
 import pytest
 from drjit.llvm import Float64
+
 from raytruth.reference_tracer.numbers import functions as fn
 from raytruth.reference_tracer.surfaces.exact_polynomial import polynomial, tree_of
 from raytruth.reference_tracer.surfaces.formula import FormulaError

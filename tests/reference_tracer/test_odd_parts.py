@@ -7,6 +7,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from flint import fmpq
+from tracing_support import make_scene, shine, shoot, thing
+
 from raytruth.reference_tracer.certify.line import follow, ray_polynomial
 from raytruth.reference_tracer.numbers.exact import RationalPolynomial
 from raytruth.reference_tracer.surfaces import Expression
@@ -15,7 +17,6 @@ from raytruth.reference_tracer.surfaces.expression import forms_of
 from raytruth.reference_tracer.surfaces.formula import FormulaError
 from raytruth.reference_tracer.surfaces.formula_parser import parse_formula
 from raytruth.reference_tracer.tracer.render import UNDECIDED, render
-from tracing_support import make_scene, shine, shoot, thing
 
 BALL = "(x**2 + y**2 + z**2 - 1)"
 SMALL = "((x - 10)**2 + (y - 3)**2 + z**2 - 0.01)"

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, thing
+
 from raytruth.reference_tracer.scene.placement import is_inside
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, thing
 
 # the camera's position, in the surface's own frame, is (0, 0, -3)
 AT_THE_CAMERA = {

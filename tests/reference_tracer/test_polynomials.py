@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.numbers import NotAlgebraic, Polynomial
 from raytruth.reference_tracer.numbers import functions as fn

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from tracing_support import follow, make_scene, thing, unit
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.tracer.optics import reflect, refract
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import follow, make_scene, thing, unit
 
 METHODS = ("paper", "exact")
 SIZE = (9, 7)

@@ -6,10 +6,11 @@ import sys
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, thing
+
 from raytruth.reference_tracer.tracer import wavefront
 from raytruth.reference_tracer.tracer.render import UNDECIDED, Watch, render
 from raytruth.reference_tracer.tracer.shading import interact
-from tracing_support import make_scene, thing
 
 OUTSIDE = """
 import hashlib, json, sys

@@ -4,6 +4,7 @@ import json
 import time
 
 import pytest
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.load import LARGEST_FILE, load_scene, parse_scene

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from raytruth.reference_tracer.scene.library import scene
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.tracer.render import render

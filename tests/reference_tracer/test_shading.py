@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from raytruth.reference_tracer.tracer.render import render
 from tracing_support import make_scene, thing, unit
+
+from raytruth.reference_tracer.tracer.render import render
 
 METHODS = ("paper", "exact")
 GREY = {"color": [0.8, 0.6, 0.4]}

@@ -6,10 +6,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from closed_forms import into_frame
+from tracing_support import make_scene, thing, unit
+
 from raytruth.reference_tracer.numbers import Dual, OutwardInterval
 from raytruth.reference_tracer.scene.placement import is_inside, rotation_matrix
 from raytruth.reference_tracer.surfaces import Ellipsoid, Heart, Paraboloid, Plane, Sphere, Torus
-from tracing_support import make_scene, thing, unit
 
 SURFACES = {
     "plane": Plane(a=1.0, b=-2.0, c=0.5), "sphere": Sphere(r=1.5), "ellipsoid": Ellipsoid(a=0.5, b=2.0, c=1.25),

@@ -6,12 +6,13 @@ taken exactly.
 
 import numpy as np
 import pytest
+from tracing_support import make_scene, shoot, thing, unit
+
 from raytruth.reference_tracer.certify.precise import Body, triple
 from raytruth.reference_tracer.certify.search import precision
 from raytruth.reference_tracer.first_hit import METHODS
 from raytruth.reference_tracer.scene.placement import is_inside
 from raytruth.reference_tracer.tracer.render import HIT, UNDECIDED, render
-from tracing_support import make_scene, shoot, thing, unit
 
 VOUCHING = [method for method in METHODS if method != "paper"]
 LIGHTS = [((2, 3, -1), (1, 1, 1))]

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from all_steps import AllSteps
 from closed_forms import Exact
+from tracing_support import make_scene, thing
+
 from raytruth.reference_tracer.oracle import literal
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.tracer.render import render
-from tracing_support import make_scene, thing
 
 TOLERANCE = 1e-12
 

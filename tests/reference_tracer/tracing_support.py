@@ -6,6 +6,7 @@ import json
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene

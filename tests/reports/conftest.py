@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from report_support import ERROR_AT, HEIGHT, MISMATCH_AT, NAN_AT, UNDECIDED_AT, WIDTH, make_folder
+
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture, render
-from report_support import ERROR_AT, HEIGHT, MISMATCH_AT, NAN_AT, UNDECIDED_AT, WIDTH, make_folder
 
 
 @pytest.fixture(scope="session")

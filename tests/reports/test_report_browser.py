@@ -16,6 +16,9 @@ import test_report_plan
 import test_report_speed
 import test_report_stability
 import test_report_transport
+from report_support import ERROR_AT, HEIGHT, NAN_AT, UNDECIDED_AT, WIDTH, make_folder, make_results
+
+from raytruth import reports
 from raytruth.comparisons import document
 from raytruth.comparisons import results as documents
 from raytruth.comparisons.agreement import records
@@ -28,9 +31,6 @@ from raytruth.comparisons.transport import document as transport
 from raytruth.comparisons.verdicts.metrics import pixel_error, worst_pixels
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.tracer.image_files import to_8_bit
-from report_support import ERROR_AT, HEIGHT, NAN_AT, UNDECIDED_AT, WIDTH, make_folder, make_results
-
-from raytruth import reports
 
 pytestmark = pytest.mark.slow
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from raytruth.reference_tracer.errors import InputError
-from raytruth.reports.figures import scale
-from raytruth.reports.text.words import VERDICTS
 from report_support import ERROR_AT, HOSTILE, MISMATCH_AT, NAN_AT, UNDECIDED_AT
 
 from raytruth import reports
+from raytruth.reference_tracer.errors import InputError
+from raytruth.reports.figures import scale
+from raytruth.reports.text.words import VERDICTS
 
 building = importlib.import_module("raytruth.reports.build")  # the function of the same name hides it
 

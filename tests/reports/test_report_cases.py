@@ -3,11 +3,12 @@
 import math
 
 import pytest
+from report_support import make_comparison, make_results, make_run
+
 from raytruth.comparisons.results import Gate
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library
 from raytruth.reports.cases import cases, failed_runs, is_lower_bound, verdict_counts
-from report_support import make_comparison, make_results, make_run
 
 
 @pytest.fixture

@@ -1,14 +1,14 @@
 """Two runs: what is better, worse, slower, faster, new and gone."""
 
 import pytest
+from report_support import HOSTILE, make_comparison, make_results, make_run
+
+from raytruth import reports
 from raytruth.comparisons import results as documents
 from raytruth.comparisons.results import Results, Timing
 from raytruth.reference_tracer.scene import library
 from raytruth.reports.pages import arrange
 from raytruth.reports.pages.changes import changes
-from report_support import HOSTILE, make_comparison, make_results, make_run
-
-from raytruth import reports
 
 
 def with_cases(*cases: tuple[str, str, float, float]) -> Results:

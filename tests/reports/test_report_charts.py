@@ -4,11 +4,12 @@ import itertools
 import re
 
 import pytest
+from report_support import HOSTILE, marks_of
+
 from raytruth.comparisons.results import Series
 from raytruth.reports.build import STATIC, environment, static
 from raytruth.reports.figures.charts import HEIGHT, MARKS, MOST_TICKS, PAGE, WIDTH, Axis, Line, chart, log_ticks
 from raytruth.reports.pages.front import study
-from report_support import HOSTILE, marks_of
 
 
 def drawn(*lines: Line, nothing=0.0, few=False, **more) -> str:

@@ -1,6 +1,7 @@
 """The table of decisions."""
 
 import pytest
+
 from raytruth.reports.pages.decisions import Decision, parse, pieces, prose, read_decisions
 
 TABLE = "text\n\n| id | section | question | decision |\n|---|---|---|---|\n| A1 | 4.1 | why | do `x` then y |\n\nend\n"

@@ -4,6 +4,9 @@ import math
 
 import numpy as np
 import pytest
+from report_support import ERROR_AT, make_results
+
+from raytruth import reports
 from raytruth.comparisons import results as documents
 from raytruth.comparisons.results import Effect
 from raytruth.reference_tracer.scene import library
@@ -19,9 +22,6 @@ from raytruth.reports.pages.decisions import (
     refraction_chart,
     refraction_curves,
 )
-from report_support import ERROR_AT, make_results
-
-from raytruth import reports
 
 DECISIONS = [Decision("C2", "5", "q", "d"), Decision("E1", "4", "q", "d"), Decision("M6", "4", "q", "d")]
 

@@ -1,6 +1,9 @@
 """The effects one by one: who checked each, which faults were noticed, where two renderers part."""
 
 import pytest
+from report_support import HOSTILE, make_results
+
+from raytruth import reports
 from raytruth.comparisons import document
 from raytruth.comparisons import results as documents
 from raytruth.comparisons.attribution.document import (
@@ -16,9 +19,6 @@ from raytruth.comparisons.attribution.document import (
 )
 from raytruth.reference_tracer.scene import library
 from raytruth.reports.pages.evidence import CHECKED, PREFIX
-from report_support import HOSTILE, make_results
-
-from raytruth import reports
 
 
 def attribution(stage="shadow") -> Attribution:

@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from report_support import HOSTILE, make_run
+
 from raytruth.reports.figures import floats
 from raytruth.reports.figures.planes import read
-from report_support import HOSTILE, make_run
 
 
 def unpacked_characters(plane: dict) -> bytes:

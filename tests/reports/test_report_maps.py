@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from raytruth.reference_tracer.tracer.render import HIT, MISS
 from raytruth.reports.figures import maps
 from raytruth.reports.figures.maps import around_worst, spread

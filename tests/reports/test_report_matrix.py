@@ -2,6 +2,8 @@
 
 import re
 
+from report_support import HOSTILE, make_results
+
 from raytruth.comparisons.agreement.matrix import matrix as build_matrix
 from raytruth.comparisons.agreement.records import Absent, Dissent, Matrix, Member, Pair, Place, Tightness, write
 from raytruth.reports.build import environment, rendered
@@ -9,7 +11,6 @@ from raytruth.reports.figures import scale
 from raytruth.reports.figures.scale import css
 from raytruth.reports.pages import arrange
 from raytruth.reports.pages.matrix import exponent, pages, shown
-from report_support import HOSTILE, make_results
 
 
 def pair(first, second, p99, agrees=True, scene="ball", broken=""):

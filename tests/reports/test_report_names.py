@@ -3,6 +3,7 @@
 import re
 
 import pytest
+
 from raytruth.reports.text.words import slug
 
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+
 from raytruth.reports.text.numbers import MINUS, THIN, parts
 
 

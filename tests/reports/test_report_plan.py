@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from report_support import HOSTILE
+
 from raytruth.comparisons.bench.document import Seconds, Spread
 from raytruth.comparisons.execution import store
 from raytruth.comparisons.planning import document as results
@@ -11,7 +13,6 @@ from raytruth.comparisons.planning.document import DecisionRecord, MeshTrial, Pl
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.tracer.image_files import to_8_bit
 from raytruth.reports import build
-from report_support import HOSTILE
 
 WIDTH, HEIGHT = 8, 6
 

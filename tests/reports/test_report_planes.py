@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from raytruth.reports.figures.planes import NoPlanes, read
 from report_support import make_run
+
+from raytruth.reports.figures.planes import NoPlanes, read
 
 
 def test_good_planes_are_read_exactly(folder, pictures):

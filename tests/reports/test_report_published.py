@@ -3,15 +3,15 @@
 import re
 
 import pytest
+from report_support import make_results
+
+from raytruth import reports
 from raytruth.comparisons import results as documents
 from raytruth.comparisons.results import Effect
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.model import Camera, Tracing
 from raytruth.reports.pages.decisions import read_decisions
 from raytruth.reports.pages.published import SWITCHES, Figure, read
-from report_support import make_results
-
-from raytruth import reports
 
 
 def test_switches_are_decisions_and_keys_of_the_format():

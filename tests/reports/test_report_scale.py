@@ -1,6 +1,7 @@
 """The error scale: colours must decode to the errors they stand for, on one scale for all maps."""
 
 import numpy as np
+
 from raytruth.reports.figures import scale
 from raytruth.reports.figures.scale import DECADES, EXACT, LEVELS, MISMATCH, NON_FINITE, TABLE, UNDECIDED, paint
 

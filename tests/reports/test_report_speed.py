@@ -1,5 +1,8 @@
 """Speed against accuracy: where points stand, what the frontier is, and the pages."""
 
+from report_support import HOSTILE, make_results
+
+from raytruth import reports
 from raytruth.comparisons import document
 from raytruth.comparisons.bench.document import Spread
 from raytruth.comparisons.charting.document import (
@@ -17,9 +20,6 @@ from raytruth.comparisons.charting.document import (
 )
 from raytruth.reference_tracer.scene import library
 from raytruth.reports.pages.speed import KINDS, Speed
-from report_support import HOSTILE, make_results
-
-from raytruth import reports
 
 
 def spread(seconds: float) -> Spread:

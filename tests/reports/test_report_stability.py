@@ -4,6 +4,9 @@ import json
 import re
 
 import pytest
+from report_support import HOSTILE, make_results, marks_of
+
+from raytruth import reports
 from raytruth.comparisons.stability import document as documents
 from raytruth.comparisons.stability.document import (
     KINDS,
@@ -20,9 +23,6 @@ from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library
 from raytruth.reports.build import STATIC, environment, static
 from raytruth.reports.pages.stability import LEAST_SHARE, LETTERS, failures, law_lines, laws
-from report_support import HOSTILE, make_results, marks_of
-
-from raytruth import reports
 
 VALUES = [0.1, 0.01, 0.001, 0.0]
 

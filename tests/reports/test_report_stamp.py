@@ -4,9 +4,9 @@ import importlib
 from pathlib import Path
 
 import pytest
-from raytruth.comparisons.stability import document as stability
 
 from raytruth import reports
+from raytruth.comparisons.stability import document as stability
 
 building = importlib.import_module("raytruth.reports.build")  # the function of the same name hides it
 

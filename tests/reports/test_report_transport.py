@@ -4,15 +4,15 @@ import re
 
 import numpy as np
 import pytest
+from report_support import HOSTILE, make_results
+
+from raytruth import reports
 from raytruth.comparisons import results as documents
 from raytruth.comparisons.results import Gate
 from raytruth.comparisons.transport import document as transport
 from raytruth.comparisons.transport.document import CaseRecord, Transport
 from raytruth.reference_tracer.scene import library
 from raytruth.reports.figures import scale
-from report_support import HOSTILE, make_results
-
-from raytruth import reports
 
 SHAPE = (6, 8)
 

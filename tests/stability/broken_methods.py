@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import drjit as dr
+
 from raytruth.comparisons.stability.methods import METHODS, Method
 from raytruth.reference_tracer.first_hit.exact import cheapest_exact
 

@@ -4,6 +4,7 @@ import dataclasses
 
 import pytest
 from broken_methods import FREE_NEWTON, SKIPS_ROOTS, WRONG_SIDE
+
 from raytruth.comparisons.stability import cases as families
 from raytruth.comparisons.stability.family import Law
 from raytruth.comparisons.stability.measure import examine

@@ -5,6 +5,8 @@ import json
 import sys
 
 import pytest
+
+from raytruth.commands import stability
 from raytruth.comparisons.execution import pool
 from raytruth.comparisons.stability import cases as families
 from raytruth.comparisons.stability import document as results
@@ -12,8 +14,6 @@ from raytruth.comparisons.stability import measure
 from raytruth.comparisons.stability.cases import FAMILIES
 from raytruth.comparisons.stability.methods import METHODS
 from raytruth.reference_tracer.errors import InputError
-
-from raytruth.commands import stability
 
 FEW = ["grazing", "root-set", "secondary-rays", "printed-refraction", "undefined-gap"]
 RAYS = 60

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from flint import arb, ctx, fmpq, fmpq_poly
+
 from raytruth.comparisons.stability import cases as families
 from raytruth.comparisons.stability.exact import ball_crossings, crossings, rational, root_between
 from raytruth.comparisons.stability.families.root_set import PROBLEMS

@@ -5,6 +5,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.stability import cases as families
 from raytruth.comparisons.stability.families.model import depth_rate
 from raytruth.comparisons.stability.families.roots import horizon_rate

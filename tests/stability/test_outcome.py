@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from raytruth.comparisons.stability.document import KINDS, MOST_EVALUATIONS, NAMES
 from raytruth.comparisons.stability.family import Answer, Draw, Rays, classify
 

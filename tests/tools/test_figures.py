@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.tracer.image_files import write_8_bit
 from raytruth.reference_tracer.tracer.render import Renderer
-
 from tools.figures.__main__ import main
 from tools.figures.classes import classes
 from tools.figures.fit import fit

@@ -13,10 +13,9 @@ import json
 import sys
 from pathlib import Path
 
+from raytruth.arguments import Parser, require_file, whole
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library
-
-from raytruth.arguments import Parser, require_file, whole
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -14,12 +14,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter, minimum_filter
+from scipy.optimize import least_squares
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import Renderer
-from scipy.ndimage import maximum_filter, minimum_filter
-from scipy.optimize import least_squares
 
 from .pixels import METHOD, colors
 

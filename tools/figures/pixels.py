@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.camera_rays import camera_rays

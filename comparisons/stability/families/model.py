@@ -11,6 +11,7 @@ from functools import partial
 
 import drjit as dr
 import numpy as np
+
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.rays import Ray
 from raytruth.reference_tracer.tracer.shading import Interaction, interact

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+
 from raytruth.reference_tracer.surfaces.outside import BOX_MARGIN
 
 from ..document import MOST_EVALUATIONS

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+
 from raytruth.reference_tracer.numbers import functions as fn
 
 from ..exact import root_between

@@ -6,6 +6,7 @@ import math
 from functools import cache
 
 import numpy as np
+
 from raytruth.reference_tracer.numbers.functions import sqrt
 from raytruth.reference_tracer.surfaces.expression import Expression
 from raytruth.reference_tracer.surfaces.heart import Heart
