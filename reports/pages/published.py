@@ -27,7 +27,7 @@ SWITCHES = (
     Switch("E1", "The printed sine of refraction", "sin φ₂ = sin φ₁ · n₂/n₁, against the law of refraction above it",
            "the law, n₁/n₂", "tracing.refraction"),
     Switch("F1", "Several lights", "nothing; the reference adds them up", "1 − Π (1 − light), per channel", "tracing.lights"),
-    Switch("F2", "Ambient light", "nothing; the reference has none", "figure 17 begins at 0.1 in place of 0",
+    Switch("F2", "Ambient light", "nothing; the reference has none", "figures 17 to 19 begin at 0.1 in place of 0",
            "tracing.ambient"),
     Switch("F3", "Shadows of transparent objects", "every crossing multiplies the light by the transparency",
            "objects that are transparent at all cast no shadow", "tracing.shadows"),
