@@ -8,7 +8,7 @@ from functools import cache
 
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene import library
-from raytruth.reference_tracer.scene.model import Scene, Tracing
+from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.given_rays import GivenRays
 
 from . import vectors
@@ -37,19 +37,14 @@ class Case:
     @property
     def needs(self) -> dict[str, set[str]]:
         """The surfaces, effects and switches that a port must know to answer."""
-        scene, tracing, camera = self.scene, self.scene.tracing, self.scene.camera
+        scene = self.scene
         kinds = {obj.surface.type for obj in scene.objects}
         effects = {word for word, needed in (
             ("shadow", scene.lights and not (len(scene.objects) == 1 and kinds <= set(CONVEX))),
             ("reflection", any(o.material.reflection > 0 for o in scene.objects)),
             ("refraction", any(o.material.transparency > 0 for o in scene.objects)),
-            ("multisampling", tracing.samples > 1), ("rotation", any(o.rotation for o in scene.objects))) if needed}
-        plain = Tracing()
-        differs = lambda name: getattr(tracing, name) != getattr(plain, name)
-        switches = {id for id, on in (("E1", differs("refraction")), ("F1", differs("lights")), ("F2", differs("ambient")),
-                                      ("F3", differs("shadows")), ("F4", differs("range")),
-                                      ("F5", camera.v_x or camera.v_y)) if on}
-        return {"surface": kinds, "effect": effects, "switch": switches}
+            ("multisampling", scene.tracing.samples > 1), ("rotation", any(o.rotation for o in scene.objects))) if needed}
+        return {"surface": kinds, "effect": effects, "switch": set(scene.switches)}
 
     def lacks(self, port: Declaration) -> str | None:
         """Why `port` is not asked this, in words; None if it is."""
@@ -83,8 +78,7 @@ def _as_in_the_figures():
                                  ("range-of-a-path", figure("18"), {"range": "path"})):
         yield scene.traced_with(**changes).model_copy(update={"name": f"{scene.name}-{name}"})
     room = figure("19")
-    camera = room.camera.model_copy(update={"v_x": (1.0, 0.0, 0.0), "v_y": (0.0, 1.0, 0.0)})
-    yield room.model_copy(update={"name": f"{room.name}-oblique", "camera": camera})
+    yield room.seen_by(v_x=(1.0, 0.0, 0.0), v_y=(0.0, 1.0, 0.0)).model_copy(update={"name": f"{room.name}-oblique"})
 
 
 def chosen(names: Sequence[str]) -> tuple[Case, ...]:

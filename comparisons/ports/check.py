@@ -12,8 +12,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from raytruth.reference_tracer.scene.model import EFFECTS, Scene
-from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.scene.model import EFFECTS
 from raytruth.reference_tracer.tracer.sensitivity import PROBES
 
 from ..verdicts.conditioning import Limits, kinds
@@ -148,7 +147,7 @@ def _failed(case: Case, truth, answer, limits: Limits, planes, wrong, counts) ->
     here = wrong & ~planes[kind][0]
     here = here if here.any() else wrong
     limit = None if plane == "index" else getattr(limits, plane)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         off = np.abs(answer[plane].astype(float) - truth[plane])
         off = np.nan_to_num(off.max(-1) if off.ndim == 3 else off, nan=np.inf)
         size = np.where(here, off if limit is None else off / limit, -1)
@@ -209,9 +208,3 @@ def _numbers(value) -> list[float]:
 
 def _result(case: Case, verdict: str, message: str, **rest) -> CaseResult:
     return CaseResult(id=case.id, section=case.section, verdict=verdict, message=message, **rest)
-
-
-def truth_as_answer(scene: Scene, level: str) -> Reply:
-    """The reference's own picture in the place of a port's answer."""
-    picture = render(scene, METHODS[level])
-    return Reply({name: getattr(picture, name) for name in ("color", "index", "t", "normal")})

@@ -7,36 +7,20 @@ from collections.abc import Iterator
 import numpy as np
 
 from raytruth.reference_tracer.errors import InputError
-from raytruth.reference_tracer.tracer.given_rays import GivenRays
-from raytruth.reference_tracer.tracer.render import Renderer
 
 from ..attribution.document import History
-from ..attribution.rays import Recorder, name_of, shortened
+from ..attribution.rays import name_of
 from ..attribution.rays import ours as followed
 from .cases import Case
 from .check import question
-from .protocol import METHODS
 from .session import Failure, Port
-
-
-class _OfGiven(Recorder):
-    """Notes the history of one of the rays that are given."""
-
-    def __init__(self, case: Case, pixel: int):
-        super().__init__(case.rays.scene(case.scene), 1)
-        self.given = GivenRays(*(np.repeat(v[[pixel]], 2, axis=0) for v in (case.rays.o, case.rays.d)))  # as queues are padded
-
-    def disturb(self, wave):
-        return self.given.in_place_of(wave, self.world).ray
+from .truth import renderer
 
 
 def ours(case: Case, pixel: int) -> History:
     """The rays of a pixel, or of a given ray, counted in row order from 0."""
-    if case.rays is None:
-        return followed(Renderer(case.scene, METHODS[case.level]), [divmod(pixel, case.scene.camera.width)], "reference")[0]
-    recorder = _OfGiven(case, pixel)
-    Renderer(recorder.scene, METHODS[case.level]).follow([pixel], recorder)
-    return shortened("reference", recorder.rays[0])
+    tracer = renderer(case)
+    return followed(tracer, [divmod(pixel, tracer.scene.camera.width)], "reference")[0]
 
 
 def beside(port: Port, case: Case, place: str, seconds: float) -> Iterator[str]:

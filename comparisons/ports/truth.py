@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from raytruth.reference_tracer.tracer.film import PLANES, UNDECIDED
-from raytruth.reference_tracer.tracer.given_rays import GivenRays
-from raytruth.reference_tracer.tracer.render import Picture, Watch, render
+from raytruth.reference_tracer.tracer.given_rays import GivenWorld
+from raytruth.reference_tracer.tracer.render import Picture, Renderer
+from raytruth.reference_tracer.tracer.world import World
 
 from ..execution import store
 from ..execution.store import Store
@@ -45,23 +47,14 @@ class Truths:
 
 def answered(case: Case) -> Picture:
     """What the reference itself makes of a case."""
-    if case.rays is None:
-        return render(case.scene, METHODS[case.level])
-    return render(case.rays.scene(case.scene), METHODS[case.level], watch=Given(case.rays))
+    return renderer(case).picture()
+
+
+def renderer(case: Case) -> Renderer:
+    """The reference, ready to answer a case."""
+    scene = case.rays.scene(case.scene) if case.rays else case.scene
+    return Renderer(scene, METHODS[case.level], world=partial(GivenWorld, given=case.rays) if case.rays else World)
 
 
 def decided(planes: dict[str, np.ndarray]) -> np.ndarray:
     return planes["status"] != UNDECIDED
-
-
-class Given(Watch):
-    """Traces given rays in place of the camera's."""
-
-    def __init__(self, rays: GivenRays):
-        self.rays = rays
-
-    def begin(self, world, first, count):
-        self.world = world
-
-    def disturb(self, wave):
-        return self.rays.in_place_of(wave, self.world).ray

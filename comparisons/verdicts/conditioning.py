@@ -180,7 +180,7 @@ def apart(a: Planes, b: Planes, limits: Limits, tells_depth: bool = True) -> dic
     found["exact hit pixels"] = int(steady.sum())
     p99 = lambda values: float(np.quantile(values, 0.99)) if len(values) else None
     found["color p99, exact shapes"] = p99(np.abs(a["color"] - b["color"]).max(-1)[exact])
-    found["depth p99, exact shapes"] = p99(np.abs(a["t"] - b["t"])[steady] / a["t"][steady])
+    found["depth p99, exact shapes"] = p99(np.abs(a["t"][steady] - b["t"][steady]) / a["t"][steady])
     return found
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
+import drjit as dr
 import numpy as np
 
 from ..scene.model import LONGEST_SIDE, Scene
 from ..scene.placement import is_inside
 from .rays import BITS, Ray, Sides
-from .wavefront import Wave
 from .world import World
 
 
@@ -39,6 +39,22 @@ class GivenRays:
         left = number(np.full(len(self.o), world.scene.tracing.max_distance)) if world.scene.tracing.range == "path" else None
         return Ray(arrays.Vector(*map(number, self.o.T)), arrays.Vector(*map(number, self.d.T)), Sides(words), left)
 
-    def in_place_of(self, wave: Wave, world: World) -> Wave:
-        """`wave`, or the same with these rays where it is the camera's."""
-        return replace(wave, ray=self.rays(world)) if wave.generation == 0 else wave
+
+class GivenWorld(World):
+    """A world whose camera's rays are `given`, one a pixel of `GivenRays.scene`; without any, the camera's own."""
+
+    def __init__(self, *of_world, given: GivenRays | None):
+        super().__init__(*of_world)
+        self.given = given and given.rays(self)
+        dr.make_opaque(self.given)
+
+    @property
+    def variables(self) -> list:
+        return [*super().variables, self.given]
+
+    def camera_ray(self, row, column, sample_row, sample_column, samples: int) -> Ray:
+        if self.given is None:
+            return super().camera_ray(row, column, sample_row, sample_column, samples)
+        pick = lambda values: dr.gather(type(values), values, column)
+        left = None if self.given.left is None else pick(self.given.left)
+        return Ray(pick(self.given.o), pick(self.given.d), self.given.sides.gather(column, True), left)

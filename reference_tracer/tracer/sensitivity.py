@@ -17,12 +17,11 @@ import drjit as dr
 import numpy as np
 
 from ..scene.model import Scene
-from .given_rays import GivenRays
+from .given_rays import GivenRays, GivenWorld
 from .rays import Ray
 from .render import Picture, Renderer, Watch
 from .shading import Interaction
 from .wavefront import Wave
-from .world import World
 
 UNIT = {64: 2.0**-53, 32: 2.0**-24}  # of rounding
 ORIGIN_UNITS, DIRECTION_UNITS = 8.0, 4.0  # what a few dozen rounded operations leave in a hit point and a direction
@@ -42,32 +41,24 @@ class Displaced:
     normal_errors: tuple[float, ...]  # how far the normals on them turn from theirs, in radians
 
 
-class Perturbed(World):
+class Perturbed(GivenWorld):
     """A world whose rays are moved by random multiples of a `unit` of rounding, and whose normals are turned by up to their
     `angles`, at random, anew for every ray. It knows which objects are `displaced`, and how far their facets are tilted."""
 
     NORMALS = 1 << 62  # the random numbers that turn normals are another sequence than those that move rays
 
     def __init__(self, *of_world, displaced: Displaced | None, unit: float, turned: bool, given: GivenRays | None = None):
-        super().__init__(*of_world)
+        super().__init__(*of_world, given=given)
         arrays, nothing = self.arrays, (0.0,) * self.object_count
         errors, tilts, angles = (displaced.errors, displaced.tilts, displaced.normal_errors) if displaced else [nothing] * 3
         self.unit, self.stream = arrays.constant(unit), dr.opaque(arrays.Bits, 0)
         self.tilts, self.angles = self._column((*tilts, 0.0)), self._column((*(angles if turned else nothing), 0.0))
         self.displaced = arrays.UInt([*(int(error > 0 or angle > 0) for error, angle in zip(errors, angles)), 0])
-        self.given = given and given.rays(self)
-        dr.make_opaque(self.displaced, self.given)
+        dr.make_opaque(self.displaced)
 
     @property
     def variables(self) -> list:
-        return [*super().variables, self.unit, self.stream, self.tilts, self.angles, self.displaced, self.given]
-
-    def camera_ray(self, row, column, sample_row, sample_column, samples: int) -> Ray:
-        if self.given is None:
-            return super().camera_ray(row, column, sample_row, sample_column, samples)
-        pick = lambda values: dr.gather(type(values), values, column)  # a row of pixels, one a ray
-        left = None if self.given.left is None else pick(self.given.left)
-        return Ray(pick(self.given.o), pick(self.given.d), self.given.sides.gather(column, True), left)
+        return [*super().variables, self.unit, self.stream, self.tilts, self.angles, self.displaced]
 
     def moved(self, wave: Wave) -> Ray:
         arrays, o, d = self.arrays, wave.ray.o, wave.ray.d

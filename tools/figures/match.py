@@ -7,13 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from raytruth.reference_tracer.errors import InputError
-from raytruth.reference_tracer.scene.model import Camera, Scene, Tracing
+from raytruth.reference_tracer.scene.model import SWITCHES, Camera, Scene, Tracing
 
 from .classes import classes
 from .pixels import levels
 
-SWITCHES = {"F1": ("tracing", "lights"), "F2": ("tracing", "ambient"), "F3": ("tracing", "shadows"), "F4": ("tracing", "range"),
-            "F5": ("camera", "v_x", "v_y")}  # F6 has no switch: its pixels are a class of those left
 LEVEL = 1  # grey levels, in the worst channel
 BARS = {**dict.fromkeys(range(1, 5), 99.98), **dict.fromkeys((5, 6, 8), 99.8), 7: 99.0, 9: 99.0, "reflection": 99.0,
         **dict.fromkeys(range(10, 17), 99.5), 17: 98.0, 18: 95.0, 19: 95.0}  # percent of pixels, of the figure's form
@@ -77,7 +75,7 @@ def _switched(figure: Scene, text: Scene, pixels, shown, published) -> list[dict
     pixels that it changes by more than a level; how near the published figure that is. The last entry is the text's form:
     in turn, what it has less of samples and generations of rays than the figure."""
     steps, turned, first = [], figure, shown
-    for name, (part, *fields) in SWITCHES.items():
+    for name, (part, *fields) in SWITCHES.items():  # F6 has none: its pixels are a class of those left
         defaults = {field: type(getattr(figure, part)).model_fields[field].default for field in fields}
         if all(getattr(getattr(figure, part), field) == value for field, value in defaults.items()):
             continue
