@@ -52,9 +52,8 @@ def _volume(u, v, w) -> float:
 
 
 def _unit(v):
-    size = max(map(abs, v))  # squares of what is tiny underflow
-    v = tuple(c / size for c in v)
-    return tuple(c / _length(v) for c in v)
+    length = _length(v)
+    return tuple(c / length for c in v)
 
 
 def _require_direction(v, what: str):
@@ -85,7 +84,8 @@ class Camera(Part):
         for name in ("v_x", "v_y"):
             if (axis := getattr(self, name)) is not None:
                 _require_direction(axis, name)
-        if (self.v_x or self.v_y) and abs(_volume(*self.axes)) < 1e-6:
+        along = self.v_x and _length(_cross(_unit(self.direction), _unit(self.v_x))) < 1e-6  # v_y cannot be made of the two
+        if along or ((self.v_x or self.v_y) and abs(_volume(*self.axes)) < 1e-6):
             raise ValueError("direction, v_x and v_y must not lie in a plane")
         if self.width * self.height > MOST_PIXELS:
             raise ValueError(f"width * height must be at most {MOST_PIXELS} pixels")

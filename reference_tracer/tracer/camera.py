@@ -30,10 +30,7 @@ class Frame:
 
 def frame(camera: Camera) -> Frame:
     """The frame of `camera` and the width of a pixel on the canvas at distance 1 (decisions C1, F5)."""
-    unit = lambda v: v / np.linalg.norm(v)
-    v_dir = unit(np.array(camera.direction))
-    v_x = unit(np.array(camera.v_x)) if camera.v_x else unit(np.cross(np.array(camera.up), v_dir))
-    v_y = unit(np.array(camera.v_y)) if camera.v_y else unit(np.cross(v_dir, v_x)) if camera.v_x else np.cross(v_dir, v_x)
+    v_dir, v_x, v_y = map(np.array, camera.axes)
     span = 2 * math.tan(math.pi * camera.fov / 360)
     return Frame(v_pos=np.array(camera.position), v_dir=v_dir, v_x=v_x, v_y=v_y,
                  ratio=span / max(camera.width, camera.height), width=camera.width, height=camera.height)

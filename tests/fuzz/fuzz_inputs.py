@@ -147,6 +147,10 @@ def extreme(chance: random.Random) -> Input:
                             "cutoff": chance.choice((0.0, 1.0)), "adaptive": chance.choice((0.0, 0.5, 1.0))}}
     if chance.random() < 0.15:
         document["camera"] |= {"width": 16384, "height": chance.choice((4096, 512, 64))}
+    axis = lambda: chance.choice(([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [far(), far(), far()], [0.0, -1e-5, 0.0]))
+    document["camera"] |= {name: axis() for name in ("direction", "up", "v_x", "v_y") if chance.random() < 0.2}
+    document["tracing"] |= {"lights": chance.choice(("sum", "balanced")), "ambient": chance.choice((0.0, 1e-300, 1000.0)),
+                            "shadows": chance.choice(("attenuate", "opaque_only")), "range": chance.choice(("ray", "path"))}
     return _rendered("extreme.json", json.dumps(document).encode(), chance)
 
 

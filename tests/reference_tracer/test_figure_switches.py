@@ -230,7 +230,10 @@ def test_F5_axes_made_at_right_angles_are_noticed(monkeypatch):
 
 @pytest.mark.parametrize("given, word", [({"v_x": [0, 0, 0]}, "v_x must not be the zero vector"),
                                          ({"v_x": [1, 0, 0], "v_y": [-1, 0, 0]}, "must not lie in a plane"),
-                                         ({"v_y": DIRECTION}, "must not lie in a plane")])
+                                         ({"v_y": DIRECTION}, "must not lie in a plane"),
+                                         ({"v_x": DIRECTION}, "must not lie in a plane"),
+                                         ({"v_x": [-0.6, 0.8, -2]}, "must not lie in a plane"),
+                                         ({"v_x": DIRECTION, "v_y": [0, 1, 0]}, "must not lie in a plane")])
 def test_F5_axes_that_span_no_canvas_are_refused(given, word):
     with pytest.raises(InputError, match=word):
         make_scene(BALL, camera={"direction": DIRECTION, **given})
