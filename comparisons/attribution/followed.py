@@ -1,8 +1,8 @@
 """The worst pixels of every comparison, each followed through both renderers ray by ray, on the scene itself.
 
 A comparison that differs, as a fault or as its nature, has up to ten of them followed; one that agrees, where there is less
-to explain, three. Only the chosen pixels are traced: 0.2 s of the reference, but 3 to 12 s of processor time of Mitsuba, which
-converts the scene anew. Where Mitsuba agrees it is not asked, and what its picture tells of the first hit has to do.
+to explain, three. Only the chosen pixels are traced, which takes the reference little; but Mitsuba converts the scene anew for
+it. Where Mitsuba agrees it is not asked, and what its picture tells of the first hit has to do.
 """
 
 from __future__ import annotations

@@ -8,7 +8,6 @@ dropped. Pixels whose right colour `mistaken.Tracers` misses itself are left out
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from itertools import combinations
@@ -33,7 +32,9 @@ FAR, MISSED = 0.25, 0.15  # of a colour: differences that count alike; of a pixe
 COST = 0.004  # of all pixels, that one more mistake has to explain
 FEWEST = 2  # pixels that a mistake has to explain
 ENGINE = 2e-4  # what `Tracers` leaves out of a colour, at most, see `least`
-SECONDS = 8.0  # of computing for the search
+# that a search may follow, counted in place of seconds, so that every machine finds the same: half as many again as any set of
+# mistakes takes in tests/comparisons/test_check_image.py, but for noise
+MOST_RAYS = 1_600_000
 
 
 @dataclass(frozen=True)
@@ -125,11 +126,22 @@ def _candidates(q: Question) -> dict:
             and not (id in ("transposed", "scaled") and not (id == "scaled" or q.scene.camera.width == q.scene.camera.height))}
 
 
+@dataclass
+class _Budget:
+    """How many rays may still be followed."""
+
+    rays: int
+
+    @property
+    def spent(self) -> bool:
+        return self.rays <= 0
+
+
 class _Sample:
     """Some pixels of a question, and what sets of mistakes show there."""
 
-    def __init__(self, q: Question, pixels: np.ndarray):
-        self.q, self.pixels = q, pixels
+    def __init__(self, q: Question, pixels: np.ndarray, budget: _Budget):
+        self.q, self.pixels, self.budget = q, pixels, budget
         self.rows, self.columns = np.divmod(pixels, q.scene.camera.width)
         self.shown, self.failing = q.shown.reshape(-1, 3)[pixels], q.failing.ravel()[pixels]
         self.tolerance = q.tolerance + ENGINE * (1 if q.levels else 0.1)
@@ -150,10 +162,13 @@ class _Sample:
         most = max(1, 40_000 // max(len(self.pixels) * self.q.scene.tracing.samples**2, 1))
         for start in range(0, len(expanded), most):
             part = expanded[start:start + most]
+            tracers = Tracers(self.q.scene, part, self.q.literal, least)
             try:
-                colors = Tracers(self.q.scene, part, self.q.literal, least).colors(self.rows, self.columns)
+                colors = tracers.colors(self.rows, self.columns)
             except Exhausted:
                 continue
+            finally:
+                self.budget.rays -= tracers.rays
             for j, mistakes in enumerate(part):
                 with np.errstate(invalid="ignore"):
                     off = np.abs(filed(mistakes, colors[j], self.q.levels) - self.shown).max(axis=-1)
@@ -171,9 +186,9 @@ class _Sample:
         return self.differences(sets) <= self.tolerance
 
 
-def of_the_tracer(q: Question, seed: int = 0, seconds: float = SECONDS) -> Causes:
+def of_the_tracer(q: Question, seed: int = 0) -> Causes:
     """Which mistakes explain the failing pixels."""
-    return _of_samples(_Search(q, seed, seconds).causes(), q)
+    return _of_samples(_Search(q, seed).causes(), q)
 
 
 def _specks(q: Question, most: int) -> np.ndarray:
@@ -192,8 +207,8 @@ def _specks(q: Question, most: int) -> np.ndarray:
 
 
 class _Search:
-    def __init__(self, q: Question, seed: int, seconds: float):
-        self.q, self.random, self.end = q, np.random.default_rng(seed), time.thread_time() + seconds
+    def __init__(self, q: Question, seed: int):
+        self.q, self.random, self.budget = q, np.random.default_rng(seed), _Budget(MOST_RAYS)
         self.candidates = _candidates(q)
         n2 = q.scene.tracing.samples**2
         failing, passing = np.flatnonzero(q.failing), np.flatnonzero(~q.failing)
@@ -204,21 +219,21 @@ class _Search:
         self.passing = self.random.permutation(passing)[:int(BESIDE * most)]
         self.screened = max(40, min(SCREENED, 2 * SCREENED // n2))
         pool = np.concatenate([self.failing, self.passing])
-        right = _Sample(Question(q.scene, q.truth, q.truth, q.failing, None, ENGINE, q.literal), pool)
+        right = _Sample(Question(q.scene, q.truth, q.truth, q.failing, None, ENGINE, q.literal), pool, self.budget)
         usable = right.matched([{}])[0]
         self.left_out, self.pool = int((~usable).sum()), pool[usable]
 
     def causes(self) -> Causes:
         if not len(self.pool) or not self.q.failing.ravel()[self.pool].any():
             return Causes({}, 0, 0, 0, 0, self.left_out)
-        pool = _Sample(self.q, self.pool)
+        pool = _Sample(self.q, self.pool, self.budget)
         sample = self._screen(np.zeros(len(self.pool), bool))
         seeds = [{}, *self._singles(), *self._switches()]
         best, singles = self._climb(sample, seeds)
         matched = pool.matched([best])[0]
         for _ in range(LOOKS - 1):
             left = pool.failing & ~matched
-            if left.sum() < 2 or time.thread_time() > self.end:
+            if left.sum() < 2 or self.budget.spent:
                 break
             if (matched & pool.failing).sum() >= ENOUGH * pool.failing.sum():  # what is left is rare: a switch, or nothing
                 self.candidates = {id: m for id, m in self.candidates.items() if id in SWITCHES}
@@ -232,7 +247,7 @@ class _Search:
         if len(best) == 1:
             alternatives = self._alternatives(pool, best, matched, singles)
         return Causes(best, int((matched & pool.failing).sum()), int(pool.failing.sum()), int((~matched & ~pool.failing).sum()),
-                      int((~pool.failing).sum()), self.left_out, alternatives, shares, time.thread_time() <= self.end)
+                      int((~pool.failing).sum()), self.left_out, alternatives, shares, not self.budget.spent)
 
     def _screen(self, stressed: np.ndarray) -> _Sample:
         """Pixels to try on: half of them, if there are that many, from those that are `stressed`."""
@@ -244,7 +259,7 @@ class _Search:
         mask[rest] = True
         chosen = np.concatenate([chosen, pick(mask & failing, self.screened - len(chosen)),
                                  pick(mask & ~failing, int(BESIDE * self.screened))])
-        return _Sample(self.q, self.pool[np.unique(chosen)])
+        return _Sample(self.q, self.pool[np.unique(chosen)], self.budget)
 
     def _singles(self) -> list[Mistakes]:
         return [{id: a} for id, m in self.candidates.items() for a in (m.amounts if id not in NOISY else m.amounts[:1])]
@@ -282,7 +297,7 @@ class _Search:
         ask(self._fitted(sample, sets[key]) for key in sorted(seen, key=seen.get)[:BEAM])
         for _ in range(ROUNDS):
             beam = sorted(seen, key=seen.get)[:BEAM]
-            if seen[beam[0]] > best - COST / 4 or seen[beam[0]] <= COST * (len(beam[0]) + 1) or time.thread_time() > self.end:
+            if seen[beam[0]] > best - COST / 4 or seen[beam[0]] <= COST * (len(beam[0]) + 1) or self.budget.spent:
                 break
             best = seen[beam[0]]
             ask(s for key in beam for s in self._neighbours(sets[key]))
@@ -305,7 +320,7 @@ class _Search:
         """The same mistakes, those that have a size with the one at which the picture differs least."""
         for id in [i for i in mistakes if CATALOGUE[i].fitted]:
             spread = 0.3
-            while spread > 1e-7 and time.thread_time() < self.end:
+            while spread > 1e-7 and not self.budget.spent:
                 tries = [{**mistakes, id: mistakes[id] * (1 + spread * k / 4)} for k in range(-4, 5)]
                 near = max(3 * sample.tolerance, spread * 0.1)  # what is farther off has other causes
                 loss = (np.minimum(sample.differences(tries), near)**2).mean(axis=1)

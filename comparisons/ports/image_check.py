@@ -229,7 +229,7 @@ def _found(held: Held, picture: FinishedPicture, failing: np.ndarray) -> tuple[C
         found = traced if found is None or traced.share > found.share else found
     if not found.failing:
         return found, f"not measurable: none of the failing pixels could be traced again ({found.left_out} tried)"
-    unfinished = "" if found.finished else " in the time for it; there may be more"
+    unfinished = "" if found.finished else " with the rays that it may follow; there may be more"
     if not found.names:
         return found, f"no known mistake explains it{unfinished}"
     return found, "" if found.finished else f"the search did not end{unfinished}"
