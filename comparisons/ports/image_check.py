@@ -185,16 +185,22 @@ def likely_cause(scene: Scene, method: str, color: np.ndarray, levels: int | Non
 
 
 def _nearest(picture: FinishedPicture, readings: list[Form], progress) -> tuple[Held, tuple[tuple[str, str, int], ...]]:
-    """The truth that most pixels are equal to; figures are asked for only where the text's two truths are not met."""
+    """The truth that most pixels are equal to: of the text; of the figure where that explains as much of what differs from the
+    text as a cause has to (ENOUGH), for a picture that has some of its switches differs from both."""
     tried: list[Held] = []
-    for form in readings:
-        for method in METHODS:
-            progress(f"{form.name}, {method}")
-            tried.append(_held(picture, form, method))
-        if any(not h.differing.any() for h in tried):
-            break
     failing = lambda h: int((h.differing & ~h.undecided).sum())
-    best = min(tried, key=lambda h: (failing(h), int(h.differing.sum())))
+
+    def tries(form: Form, method: str) -> Held:
+        progress(f"{form.name}, {method}")
+        tried.append(_held(picture, form, method))
+        return tried[-1]
+
+    text, *others = readings
+    best = min((tries(text, method) for method in METHODS), key=lambda h: (failing(h), int(h.differing.sum())))
+    for form in others if failing(best) else ():
+        literal = tries(form, "paper")  # as the figures were made
+        if failing(literal) <= (1 - ENOUGH) * failing(best):
+            best = min((literal, tries(form, "exact")), key=failing)
     # where both fail alike, the mistake is not one of the method: a port more likely has the document's own
     literal = next(h for h in tried if h.form is best.form and h.method == "paper")
     if failing(best) and failing(literal) <= ALIKE * failing(best):

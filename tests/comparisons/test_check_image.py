@@ -12,9 +12,9 @@ from wrong_ports import CHANGES, SCENE, SCENES, WRITERS
 
 from raytruth.cli import main
 from raytruth.comparisons.ports import image_check
-from raytruth.comparisons.ports.image_check import check, likely_cause
+from raytruth.comparisons.ports.image_check import check, likely_cause, sized
 from raytruth.comparisons.ports.mistaken import Tracers, rendered
-from raytruth.comparisons.ports.mistakes import CATALOGUE, SWITCHES
+from raytruth.comparisons.ports.mistakes import CATALOGUE, NOISY, SWITCHES
 from raytruth.comparisons.ports.picture import FinishedPicture
 from raytruth.reference_tracer.errors import MissingError
 from raytruth.reference_tracer.scene import library
@@ -88,6 +88,9 @@ def test_a_mistake_is_named_from_8_bits(ports, id):
     scene = SAMPLED if id in OF_SAMPLES else SCENE
     found = verdict(in_bytes(wrong_ports.written((id,), scene)), scene)
     assert found.verdict == "fail" and found.failing > 0
+    if id in NOISY:  # what rounding draws is matched in half of the pixels, more or less: it may go unnamed, not misnamed
+        assert {cause.id for cause in found.causes} <= {id}
+        return
     assert [cause.id for cause in found.causes] == [id], (found.causes, found.note)
 
 
@@ -174,3 +177,19 @@ def test_the_command_tells_and_exits(tmp_path, capsys):
     file.write_bytes(b"")
     assert main(["check-image", str(file), "effect-shading"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+# --- scenes that are known as text and as figure ------------------------------------------------------------------------
+def test_a_picture_in_the_figures_form_passes_and_the_switches_are_told():
+    scene = sized(library.scene("figure-17-scene1"), 60, 45)
+    found = verdict(in_floats(render(scene.figure_form(), "paper").color), scene)
+    assert found.verdict == "pass" and found.form == "as the figure was published (F1, F2, F3, F4)"
+
+
+@pytest.mark.parametrize("changes, ids", [
+    ({"lights": "balanced", "ambient": 0.1}, {"balanced-lights", "ambient"}), ({"lights": "balanced"}, {"balanced-lights"})])
+def test_some_of_the_figures_switches_are_named_as_differences_from_the_text(changes, ids):
+    """Such a picture may be nearer to the figure than to the text: it still is neither."""
+    scene = sized(library.scene("figure-17-scene1"), 80, 60)
+    found = verdict(in_floats(render(scene.traced_with(**changes), "paper").color), scene)
+    assert found.verdict == "fail" and found.form == "as the scene says" and {cause.id for cause in found.causes} == ids
