@@ -10,6 +10,7 @@ length is no depth.
 from __future__ import annotations
 
 import math
+import sys
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ FUNCTIONS: dict[str, tuple[Callable, int]] = {
 
 
 JUMPING = {"floor", "ceil", "heaviside", "sign", "fract", "mod"}
+LEAST_NORMAL = sys.float_info.min  # Dr.Jit's threads take smaller numbers for zero, the thread that calls them does not
 
 
 class FormulaError(ValueError):
@@ -124,6 +126,8 @@ def _folded(tree: Node) -> Node:
         value = math.nan
     if not math.isfinite(value):
         raise FormulaError("has a constant part without a finite value")
+    if 0 < abs(value) < LEAST_NORMAL:
+        raise FormulaError("has a constant part too small for double precision")
     return Number(value)
 
 

@@ -12,6 +12,7 @@ from lark import Token, Tree
 
 from .exact_polynomial import constant_value, vanishes
 from .formula import (
+    LEAST_NORMAL,
     Call,
     Coordinate,
     FormulaError,
@@ -241,7 +242,8 @@ class _Translator:
             number = math.inf
         if not math.isfinite(number):
             raise FormulaError(f"contains {at(word)} a number too large for double precision")
-        if number == 0 and any(digit in digits.partition("e")[0] for digit in "123456789") and not digits.startswith("0x"):
+        is_zero = number == 0 and (digits.startswith("0x") or not any(d in digits.partition("e")[0] for d in "123456789"))
+        if number < LEAST_NORMAL and not is_zero:
             raise FormulaError(f"contains {at(word)} a number too small for double precision")
         return number
 

@@ -263,11 +263,9 @@ def test_N1_a_normal_does_not_depend_on_the_scale_of_f(factor, method):
     np.testing.assert_allclose(picture.color[..., 0][met], cosine[met], rtol=0, atol=1e-11)
 
 
-@pytest.mark.parametrize("text", ["1e308*sin(400 - 100*z)", "1e-308*(4 - z)"])
-def test_N1_where_the_gradient_leaves_the_floats_a_pixel_is_undecided(text, as_written):
-    """Gradients of 1e310, where f itself is finite, and of 1e-308; the literal method meets both at z = 4. A sample at z = 8
-    has an f that no thread takes for zero: those of Dr.Jit flush what is below 2.3e-308."""
-    near = {"camera": {"position": [0, 0, 3.9995]}, "step_size": 0.0002, "max_distance": 0.01} if "sin" in text else {
-        "step_size": 8.0}
-    picture = render(make_scene(formula(text), lights=[((0, 0, 0), (1, 1, 1))], **near), "paper")
+def test_N1_where_the_gradient_leaves_the_floats_a_pixel_is_undecided(as_written):
+    """A gradient of 1e310 where f itself is finite; the literal method meets it at z = 4."""
+    wave = make_scene(formula("1e308*sin(400 - 100*z)"), lights=[((0, 0, 0), (1, 1, 1))],
+                      camera={"position": [0, 0, 3.9995]}, step_size=0.0002, max_distance=0.01)
+    picture = render(wave, "paper")
     assert picture.index.tolist() == [[0]] and picture.status.tolist() == [[UNDECIDED]]

@@ -45,7 +45,7 @@ MUTANTS = {
         "f.ratio * ((row + (sample_row + 0.5) / samples) - f.height * 0.5)",
         camera.test_C1_row_zero_is_the_top_row_and_columns_run_to_the_right),
     "C1 mirrored": Mutant(
-        "np.cross(np.array(camera.up), v_dir)", "np.cross(v_dir, np.array(camera.up))",
+        "_cross(self.up, v_dir)", "_cross(v_dir, self.up)",
         camera.test_C1_row_zero_is_the_top_row_and_columns_run_to_the_right),
     "C1 field of view over the shorter side": Mutant(
         "ratio=span / max(camera.width", "ratio=span / min(camera.width",
