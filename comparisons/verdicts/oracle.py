@@ -55,9 +55,9 @@ class AllSteps(LiteralSearch):
     def first_hit(self, o, d, inside, limit):
         t_hit, index = np.full(len(d), np.inf), np.full(len(d), -1)
         if not len(d):
-            return t_hit, index
+            return t_hit, index, np.zeros(0)
         t = self._samples(limit)
-        changed = self._signs_at(o, d, t) != inside[:, None]
+        changed = (self._signs_at(o, d, t) != inside[:, None]) & (limit > 0)[:, None, None]
         ray = np.flatnonzero(changed.any(axis=(1, 2)))
         step = np.argmax(changed.any(axis=2), axis=1)[ray]
         middle = 0.5 * (step * self.tracing.step_size + t[ray, step])
@@ -66,7 +66,9 @@ class AllSteps(LiteralSearch):
             root = self._newton(k, o[ray[here]], d[ray[here]], middle[here])
             closer = root < t_hit[ray[here]]
             t_hit[ray[here][closer]], index[ray[here][closer]] = root[closer], k
-        return t_hit, index
+        used = limit.copy()
+        used[ray] = t[ray, step]
+        return t_hit, index, used
 
     def transmittance(self, o, d, inside, distance):
         if not len(d):
@@ -156,7 +158,7 @@ def _traced(scene: Scene, search: AllSteps, pixels: np.ndarray) -> dict[str, np.
     for sample in range(samples**2):
         o, d = _rays(scene, pixels, *divmod(sample, samples), samples)
         total += point_color(scene, search, o, d, inside, limit, depth=0)
-    t, index = search.first_hit(*_rays(scene, pixels, 0, 0, 1), inside, limit)
+    t, index, _ = search.first_hit(*_rays(scene, pixels, 0, 0, 1), inside, limit)
     return {"pixels": pixels, "color": total / samples**2, "t": t, "index": index}
 
 
@@ -166,7 +168,7 @@ def _shift_by_rounding(scene: Scene, pixels: np.ndarray) -> np.ndarray:
     random, search, inside = np.random.default_rng(len(pixels)), AllSteps(scene), _sides(scene, len(pixels))
     o, d = _rays(scene, pixels, 0, 0, 1)
     limit = np.full(len(pixels), scene.tracing.max_distance)
-    t, _ = search.first_hit(o, d, inside, limit)
+    t, *_ = search.first_hit(o, d, inside, limit)
     shift = np.zeros(len(pixels))
     for _ in range(PROBES):
         noise = lambda units: random.uniform(-units, units, d.shape) * UNIT[64]

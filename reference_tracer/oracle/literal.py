@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from ..numbers.functions import atan2, cbrt, cos, exp, floor, heaviside, log, sin, sqrt, tan
-from ..scene.model import Object, Rotation, Scene
+from ..scene.model import SLIVER, Object, Rotation, Scene
 from ..tracer.camera import canvas_point, frame
 
 
@@ -22,7 +22,10 @@ class Search(Protocol):
     """How rays find what they meet."""
 
     def first_hit(self, o, d, inside, limit):
-        """(t, index) of each ray's first hit within `limit` (n,); index -1 where there is none."""
+        """(t, index, used) of each ray's first hit within `limit` (n,); index -1 where there is none.
+
+        `used` is how much of its range a ray has used up when it meets something: t, or whole steps (decision F4).
+        """
 
     def transmittance(self, o, d, inside, distance):
         """The product of the transparencies crossed on the way to a light at `distance`."""
@@ -53,16 +56,17 @@ def point_color(scene: Scene, search: Search, o, d, inside, limit, depth: int) -
         return color
     # the misprint of section 4.3.3.2 (E1) makes directions of NaN: such a ray meets nothing
     usable = np.isfinite(d).all(axis=-1)
-    t, index = np.full(len(d), np.inf), np.full(len(d), -1)
-    t[usable], index[usable] = search.first_hit(o[usable], d[usable], inside[usable], limit[usable])
+    t, index, used = np.full(len(d), np.inf), np.full(len(d), -1), np.full(len(d), np.inf)
+    t[usable], index[usable], used[usable] = search.first_hit(o[usable], d[usable], inside[usable], limit[usable])
     for k, obj in enumerate(scene.objects):
         here = np.flatnonzero(index == k)
         if len(here):
-            color[here] = _color_on(scene, search, obj, k, o[here], d[here], inside[here], t[here], limit[here], depth)
+            color[here] = _color_on(scene, search, obj, k, o[here], d[here], inside[here], t[here],
+                                    (limit - used)[here], depth)
     return color
 
 
-def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, limit, depth):
+def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, left, depth):
     """Section 4.3 where rays meet object `k`."""
     point = o + t[:, None] * d
     normal = _normal(obj, point)
@@ -70,8 +74,9 @@ def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, limit, depth)
     cos1 = np.minimum(-_dot(d, normal), 1)
     m = obj.material
 
+    limit = np.full(len(t), scene.tracing.max_distance)  # M5
     if scene.tracing.range == "path":  # decision F4
-        limit = np.maximum(limit - t, 0)
+        limit = np.where(left > SLIVER * limit, left, 0)
     illumination = np.full_like(point, scene.tracing.ambient)  # decision F2
     for light in scene.lights:  # section 4.3.1
         distance = np.linalg.norm(light.position - point, axis=-1, keepdims=True)
@@ -128,7 +133,7 @@ class LiteralSearch:
                              for R, c, surface in self.frames], axis=-1)
 
     def first_hit(self, o, d, inside, limit):
-        t_hit, index = np.full(len(d), np.inf), np.full(len(d), -1)
+        t_hit, index, used = np.full(len(d), np.inf), np.full(len(d), -1), np.full(len(d), np.inf)
         waiting = np.flatnonzero(limit > 0)
         step = 0
         while len(waiting):
@@ -140,8 +145,9 @@ class LiteralSearch:
                 root = self._newton(k, o[rays], d[rays], 0.5 * (before + t[changed[:, k]]))
                 closer = root < t_hit[rays]
                 t_hit[rays[closer]], index[rays[closer]] = root[closer], k
+            used[waiting] = t
             waiting = waiting[~changed.any(axis=1) & (t < limit[waiting])]
-        return t_hit, index
+        return t_hit, index, used
 
     def _newton(self, k, o, d, t):
         rotation, center, surface = self.frames[k]

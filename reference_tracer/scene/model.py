@@ -19,6 +19,7 @@ MOST_LIGHTS = 64
 LONGEST_SIDE = 16384  # pixels
 MOST_PIXELS = 2**26
 MOST_STEPS = 1_000_000
+SLIVER = 1e-12  # of max_distance: a rest of a path's range as short as that is rounding, and none (decision F4)
 AS_PUBLISHED = "-as-published"  # behind the name of a scene that is taken as its figure shows it
 
 

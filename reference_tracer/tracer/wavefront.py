@@ -135,12 +135,12 @@ class Parents:
     left: object | None  # Float, the range that is left to secondary rays (decision F4)
 
     @staticmethod
-    def of(wave: Wave, interaction: Interaction) -> Parents:
+    def of(world: World, wave: Wave, interaction: Interaction) -> Parents:
         weighted = lambda weight: None if weight is None else weight * wave.weight
         return Parents(interaction.point, wave.slot, wave.ray.sides, interaction.reflected,
                        weighted(interaction.reflected_weight), interaction.refracted, weighted(interaction.refracted_weight),
                        interaction.refracted_sides,
-                       None if wave.ray.left is None else dr.maximum(wave.ray.left - interaction.hit.t, 0))
+                       world.range_after(wave.ray, interaction.hit))
 
     @property
     def weights(self) -> list:
@@ -283,7 +283,7 @@ class Wavefront:
         interaction = interact(world, wave.ray, active=wave.weight > 0)
         finite = film.add(world, interaction.color, wave.weight, wave.slot)
         film.note(wave, interaction.undecided, finite, generation)
-        parents = Parents.of(wave, interaction)
+        parents = Parents.of(world, wave, interaction)
         if last:  # beyond the last generation lies the background (decision D1)
             if any(world.scene.background):
                 for weight, _ in parents.weights:

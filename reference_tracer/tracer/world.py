@@ -10,7 +10,7 @@ import drjit as dr
 
 from .. import first_hit
 from ..backend import Backend
-from ..scene.model import EFFECTS, Scene, Tracing
+from ..scene.model import EFFECTS, SLIVER, Scene, Tracing
 from ..scene.placement import is_inside
 from .camera import canvas_point, frame
 from .families import Family, Member
@@ -230,6 +230,13 @@ class World:
     def range_of(self, ray: Ray):
         """How far each ray reaches (Float): max_distance, or what its parent left of it (decisions M5, F4)."""
         return self.max_distance if ray.left is None else ray.left
+
+    def range_after(self, ray: Ray, hit: Hit):
+        """What a ray that met `hit` leaves of its range to its children (Float; decision F4); None: each has its own (M5)."""
+        if ray.left is None:
+            return None
+        left = ray.left - hit.order
+        return dr.select(left > SLIVER * self.max_distance, left, 0)
 
     def normal(self, point, index, active):
         """grad f at `point` of object `index`, normalised; not yet turned against the ray.

@@ -75,7 +75,7 @@ class Exact:
         index = np.argmin(t, axis=-1)
         t = np.maximum(t[np.arange(len(t)), index], 0)
         met = t <= limit
-        return np.where(met, t, np.inf), np.where(met, index, -1)
+        return np.where(met, t, np.inf), np.where(met, index, -1), t
 
     def transmittance(self, o, d, inside, distance):
         intensity = np.ones(len(o))

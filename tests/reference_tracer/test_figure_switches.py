@@ -167,8 +167,13 @@ class RangeOfEachRay(World):
         return self.max_distance
 
 
+class UsesDistance(World):
+    def nearest(self, ray):
+        return dataclasses.replace(hit := super().nearest(ray), order=hit.t)
+
+
 @BOTH
-@pytest.mark.parametrize("max_distance, mirrors", [(1.9, 0), (2.1, 1), (5.9, 1), (6.1, 2), (11, 3), (33.9, 8), (40, 9)])
+@pytest.mark.parametrize("max_distance, mirrors", [(1.9, 0), (2.1, 1), (5.9, 1), (6.3, 2), (11, 3), (33.9, 8), (40, 9)])
 def test_F4_a_corridor_of_mirrors_ends_where_the_path_does(method, max_distance, mirrors, world=World):
     """Walls at z = 2 and -2 are met at 2, 6, 10, ... along the path; a lamp at the camera lights them at cos 1. Each adds
     (1 - R) R^k; behind the last one that the path reaches lies the background, as behind the eighth generation (D1)."""
@@ -181,9 +186,21 @@ def test_F4_a_corridor_of_mirrors_ends_where_the_path_does(method, max_distance,
     np.testing.assert_allclose(middle(scene.traced_with(range="ray"), method), 1 - 0.5**whole * (1 - background), rtol=1e-12)
 
 
+@pytest.mark.parametrize("method, max_distance, mirrors", [
+    ("paper", 10.2, 2), ("paper", 10.4, 3), ("exact", 9.9, 2), ("exact", 10.2, 3)])
+def test_F4_the_literal_method_uses_whole_steps(method, max_distance, mirrors, world=World):
+    """The same corridor, met at 2, 6 and 10. Steps of 0.3 find its walls after 7 and 14 steps: the third ray has
+    max_distance - 6.3 left of the 4 that it needs."""
+    walls = [thing("plane", (0, 0, z), a=0, b=0, c=-z, material={"reflection": 0.5}) for z in (2, -2)]
+    scene = make_scene(*walls, lights=[((0, 0, 0), WHITE)], max_distance=max_distance, range="path", step_size=0.3)
+    np.testing.assert_allclose(middle(scene, method, world), [1 - 0.5**mirrors] * 3, rtol=1e-12)
+    if method == "paper":
+        np.testing.assert_allclose(literal.render(scene)[scene.camera.height // 2, scene.camera.width // 2], 1 - 0.5**mirrors)
+
+
 @BOTH
 @pytest.mark.parametrize("n", [1.0, 1.5])
-@pytest.mark.parametrize("max_distance, seen", [(8.1, 1), (7.9, 0)])
+@pytest.mark.parametrize("max_distance, seen", [(8.4, 1), (7.9, 0)])
 def test_F4_refraction_shares_it_as_well(method, n, max_distance, seen):
     """Through the middle of a clear ball, met at 2 and at 4, to a wall at 8; its lamp is 3 beyond the path's end and lights it
     nevertheless: shadow rays end at their lights."""
@@ -193,8 +210,9 @@ def test_F4_refraction_shares_it_as_well(method, n, max_distance, seen):
     np.testing.assert_allclose(middle(scene, method), [seen] * 3, atol=1e-12)
 
 
-def test_F4_a_range_for_each_ray_is_noticed():
+def test_F4_another_range_is_noticed():
     fails(test_F4_a_corridor_of_mirrors_ends_where_the_path_does, "exact", 11, 3, world=RangeOfEachRay)
+    fails(test_F4_the_literal_method_uses_whole_steps, "paper", 10.2, 2, world=UsesDistance)
 
 
 # --- F5 ------------------------------------------------------------------------------------------------------------

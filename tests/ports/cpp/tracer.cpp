@@ -169,6 +169,7 @@ using Sides = std::vector<char>;  // for every object, whether a ray runs inside
 struct Hit {
     double t = std::numeric_limits<double>::infinity();
     int index = -1;
+    double used = 0;  // of the ray's range: whole steps, in the model t
 };
 
 struct Scene {
@@ -195,7 +196,7 @@ struct Scene {
         if (exact) {
             for (size_t k = 0; k < objects.size(); k++) {
                 double root = crossing(objects[k], o, d, sides[k], 0, std::min(range, hit.t));
-                if (root < hit.t) hit = {root, static_cast<int>(k)};
+                if (root < hit.t) hit = {root, static_cast<int>(k), root};
             }
             return hit;
         }
@@ -207,7 +208,7 @@ struct Scene {
             for (size_t k = 0; k < objects.size(); k++) {
                 if (objects[k].is_inside(point) != static_cast<bool>(sides[k])) {
                     double root = newton(objects[k], o, d, 0.5 * (before + t));
-                    if (root < hit.t) hit = {root, static_cast<int>(k)};  // refine each, the smallest t wins (M4)
+                    if (root < hit.t) hit = {root, static_cast<int>(k), t};  // refine each, the smallest t wins (M4)
                 }
             }
         }
@@ -288,7 +289,8 @@ struct Scene {
         double cos1 = std::min(-dot(d, normal), 1.0);
 
         // every ray has max_distance of its own (M5), or shares it with those that follow (F4)
-        double left = shared_range ? std::max(range - hit.t, 0.0) : max_distance;
+        double left = shared_range ? range - hit.used : max_distance;
+        if (left < 1e-12 * max_distance) left = 0;
 
         Vec illumination{ambient, ambient, ambient};  // F2
         for (const Light& light : lights) {

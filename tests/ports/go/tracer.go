@@ -208,6 +208,7 @@ func (s *Scene) begin(o, d V) Ray {
 type Hit struct {
 	t      float64
 	index  int
+	used   float64 // of the ray's range: whole steps
 	normal V
 }
 
@@ -221,7 +222,7 @@ func (s *Scene) firstHit(ray Ray) Hit {
 		for k, object := range s.objects {
 			if object.inside(ray.o.Add(ray.d.Mul(t))) != ray.sides[k] {
 				if root := s.newton(object, ray, (float64(step-1)*s.h+t)/2); root < hit.t {
-					hit.t, hit.index = root, k
+					hit.t, hit.index, hit.used = root, k, t
 				}
 			}
 		}
@@ -288,7 +289,9 @@ func (s *Scene) shade(ray Ray, hit Hit, generation int) V {
 	cos1 := math.Min(-d.Dot(normal), 1)
 	left := s.maxDistance
 	if s.path {
-		left = math.Max(ray.left-hit.t, 0)
+		if left = ray.left - hit.used; left < 1e-12*s.maxDistance {
+			left = 0
+		}
 	}
 
 	illumination := grey(s.ambient)

@@ -147,7 +147,7 @@ def sides_along(scene, o, d, steps, limit):
 
 
 def first_hit(scene, o, d, inside, limit):
-    t_hit, index = np.full(len(d), np.inf), np.full(len(d), -1)
+    t_hit, index, used = np.full(len(d), np.inf), np.full(len(d), -1), np.full(len(d), np.inf)
     waiting = np.flatnonzero((limit > 0) & np.isfinite(d).all(axis=-1))
     steps = 1 + np.arange(AT_ONCE)
     while len(waiting):
@@ -162,9 +162,10 @@ def first_hit(scene, o, d, inside, limit):
             root = newton(scene, scene.objects[k], o[rays], d[rays], middle[here])
             closer = root < t_hit[rays]  # M4
             t_hit[rays[closer]], index[rays[closer]] = root[closer], k
+        used[waiting] = t[row, first]
         waiting = waiting[~found & (t[:, -1] < limit[waiting])]
         steps = steps + AT_ONCE
-    return t_hit, index
+    return t_hit, index, used
 
 
 def newton(scene, obj, o, d, t):
@@ -192,21 +193,24 @@ def light_through(scene, o, d, inside, distance):
 
 def trace(scene, o, d, inside, limit, depth):
     """The colour that each ray brings back, and what it met: t, index and normal."""
-    t, index = first_hit(scene, o, d, inside, limit)
+    t, index, used = first_hit(scene, o, d, inside, limit)
     color, normals = np.tile(scene.background, (len(d), 1)), np.zeros((len(d), 3))  # D2
     for k, obj in enumerate(scene.objects):
         hit = np.flatnonzero(index == k)
         if len(hit):
-            color[hit], normals[hit] = shade(scene, obj, k, o[hit], d[hit], inside[hit], t[hit], limit[hit], depth)
+            color[hit], normals[hit] = shade(scene, obj, k, o[hit], d[hit], inside[hit], t[hit], (limit - used)[hit], depth)
     return color, t, index, normals
 
 
-def shade(scene, obj, k, o, d, inside, t, limit, depth):
+def shade(scene, obj, k, o, d, inside, t, left, depth):
     point = o + t[:, None] * d
     normal = obj.normal(point)
     normal = np.where(dot(d, normal) > 0, -normal, normal)  # N1
     cos1 = np.minimum(-dot(d, normal), 1)
-    limit = np.maximum(limit - t, 0) if scene.range == "path" else np.full(len(t), scene.max_distance)  # F4, M5
+    if scene.range == "path":  # F4
+        limit = np.where(left > 1e-12 * scene.max_distance, left, 0)
+    else:
+        limit = np.full(len(t), scene.max_distance)  # M5
 
     illumination = np.full_like(point, scene.ambient)  # F2
     for position, brightness in scene.lights:

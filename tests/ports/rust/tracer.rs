@@ -244,12 +244,13 @@ struct Scene {
 struct Hit {
     t: f64,
     object: Option<usize>,
+    used: f64, // of the ray's range: whole steps, in the model t
 }
 
 impl Scene {
     // --- sections 4.1 and 4.2 ---
     fn first_hit(&self, o: Vec3, d: Vec3, sides: &Sides, range: f64) -> Hit {
-        let mut hit = Hit { t: f64::INFINITY, object: None };
+        let mut hit = Hit { t: f64::INFINITY, object: None, used: 0.0 };
         if !dot(d, d).is_finite() {
             return hit;
         }
@@ -257,7 +258,7 @@ impl Scene {
             for k in 0..self.objects.len() {
                 if let Some(t) = self.crossings(k, o, d, sides[k], range).first() {
                     if *t < hit.t {
-                        hit = Hit { t: *t, object: Some(k) };
+                        hit = Hit { t: *t, object: Some(k), used: *t };
                     }
                 }
             }
@@ -272,7 +273,7 @@ impl Scene {
                 if object.is_inside(o + d * t) != sides[k] {
                     let root = self.newton(object, o, d, 0.5 * (before + t)); // M4
                     if root < hit.t {
-                        hit = Hit { t: root, object: Some(k) };
+                        hit = Hit { t: root, object: Some(k), used: t };
                     }
                 }
             }
@@ -403,7 +404,8 @@ impl Scene {
         };
         let (object, point, normal) = (&self.objects[k], o + d * hit.t, self.normal(k, o, d, hit.t));
         let cos1 = (-dot(d, normal)).min(1.0);
-        let left = if self.shared_range { (range - hit.t).max(0.0) } else { self.max_distance }; // F4, M5
+        let left = if self.shared_range { range - hit.used } else { self.max_distance }; // F4, M5
+        let left = if left < 1e-12 * self.max_distance { 0.0 } else { left };
 
         let one = vec3(1.0, 1.0, 1.0);
         let mut illumination = one * self.ambient; // F2
