@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from functools import cache
 from importlib.resources import files
 
@@ -35,9 +36,18 @@ def _in(folder) -> tuple[str, ...]:
 def scene(name: str) -> Scene:
     """The shipped scene called `name`. Raises InputError if there is none."""
     if name not in (*names(), *effects()):
-        raise InputError(f"{printable(name)}: is neither a file nor a shipped scene; 'raytruth scenes' lists those")
+        meant = _nearest(name)
+        raise InputError(f"{printable(name)}: is neither a file nor a shipped scene; "
+                         + (f"did you mean {meant}? " if meant else "") + "'raytruth scenes' lists those")
     document = (_DOCUMENTS if name in names() else _EFFECTS) / f"{name}.json"
     return parse_scene(document.read_bytes(), document.name)
+
+
+def _nearest(written: str) -> str | None:
+    """The shipped scene that somebody may mean by `written`: one that has it as a part, or is spelt nearly so."""
+    known, written = (*names(), *effects()), written[:60].lower()
+    parts = [name for name in known if written and written in name]
+    return parts[0] if len(parts) == 1 else next(iter(difflib.get_close_matches(written, parts or known, 1, 0.7)), None)
 
 
 def find(name_or_path: str) -> Scene:

@@ -69,7 +69,9 @@ def test_render_writes_a_picture(capsys, ball, tmp_path, suffix):
 
 
 BAD = [
-    (["scenes", "no-such-scene"], "no-such-scene: is neither a file nor a shipped scene"),
+    (["scenes", "no-such-scene"], "no-such-scene: is neither a file nor a shipped scene; 'raytruth scenes' lists those"),
+    (["render", "figure-5-sphere", "-o", "x.png"], "did you mean figure-05-sphere?"),
+    (["scenes", "heart"], "did you mean figure-09-heart?"),
     (["render", "{ball}", "-o", "{dir}/out.gif"], "must end in one of .png, .exr, .npz"),
     (["render", "{ball}", "-o", "{dir}/missing/out.png"], "does not exist; make it first"),
     (["render", "{ball}", "-o", "{dir}/out.png", "--method", "magic"], "unknown method 'magic'; choose one of paper"),
