@@ -69,6 +69,11 @@ class Perturbed(GivenWorld):
         o = o + noise(ORIGIN_UNITS) * dr.maximum(1, dr.norm(o))
         return replace(wave.ray, o=o, d=dr.select(still, d, dr.normalize(d + noise(DIRECTION_UNITS))))
 
+    def first_of_tied(self, ray, hit, close):
+        """Where rounding decides which of two objects is the nearer, a moved ray shows which it would be."""
+        index, undecided = super().first_of_tied(ray, hit, close)
+        return dr.select(self.unit == 0, index, hit.index), undecided
+
     def normal(self, point, index, active):
         normal, arrays = super().normal(point, index, active), self.arrays
         random = arrays.PCG32(dr.width(index), initstate=self.stream, initseq=arrays.Bits(self.NORMALS))

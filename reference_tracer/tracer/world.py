@@ -205,8 +205,12 @@ class World:
             state = self._nearest_of(family, ray, state, margin)
         hit, second = Hit(*state[:4]), state[4]
         close = (hit.index < self.object_count) & (second <= margin.end(hit.order))
-        hit.index, hit.undecided = first_of_tied(self.vouching, ray, hit, close)
+        hit.index, hit.undecided = self.first_of_tied(ray, hit, close)
         return hit
+
+    def first_of_tied(self, ray: Ray, hit: Hit, close):
+        """Decision M4 where `close` (Bool) says that another object may tie with the hit: (index, undecided)."""
+        return first_of_tied(self.vouching, ray, hit, close)
 
     def _nearest_of(self, family: Family, ray: Ray, state: tuple, margin: Margin | None = None) -> tuple:
         """The nearer of the hit `state` and the first crossing with the family's objects; with it, where there is a

@@ -8,7 +8,7 @@ import pytest
 from raytruth.comparisons.verdicts.metrics import largest_around, uniform_around
 from raytruth.reference_tracer.scene.library import scene
 from raytruth.reference_tracer.scene.load import parse_scene
-from raytruth.reference_tracer.tracer.render import render
+from raytruth.reference_tracer.tracer.render import UNDECIDED, render
 from raytruth.reference_tracer.tracer.sensitivity import (
     FLOOR_UNITS,
     SAFETY,
@@ -16,6 +16,7 @@ from raytruth.reference_tracer.tracer.sensitivity import (
     Displaced,
     Perturbations,
     perturbed,
+    response,
     sensitivity,
 )
 
@@ -56,6 +57,14 @@ def test_what_rounding_cannot_do_is_not_excused(case):
     assert not found.excuses(found.picture.color * 1.01)[lit & (found.bound < 1e-4)].any()
     other_light = small.model_copy(update={"lights": small.lights[:1]})
     assert np.mean(found.excuses(render(other_light).color)) < 0.9
+
+
+def test_in_the_corner_of_a_room_the_other_wall_is_what_rounding_may_show():
+    """Pixels (2, 1), (2, 78), (57, 1) and (57, 78) look along the lines where the walls of 14 by 10 meet: the picture takes
+    the first of the two and leaves them open (decision M4), and a moved ray meets either."""
+    found = response(scene("figure-16-refraction-n1.4").resized(80, 60), "exact", 64)
+    undecided = found.picture.status == UNDECIDED
+    assert undecided[[2, 2, 57, 57], [1, 78, 1, 78]].all() and np.all((found.risk > 0)[undecided])
 
 
 def test_an_undisturbed_watch_changes_nothing(case):
