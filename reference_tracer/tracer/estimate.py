@@ -74,7 +74,7 @@ def memory(scene: Scene, planes: Sequence[str], copies: int = 0) -> int:
     """The bytes that a render takes at its worst; `copies` are those a pixel takes beside its planes, e.g. in writing."""
     pixels, rays = scene.camera.width * scene.camera.height, camera_ray_count(scene)
     plane = sum(np.dtype(TYPES[name]).itemsize * (3 if name in VECTORS else 1) for name in planes)
-    wave, row = min(MOST_RAYS, most_rays(scene)), row_bytes(len(scene.objects))
+    wave, row = min(MOST_RAYS, most_rays(scene)), row_bytes(scene)
     waiting = min(MOST_HELD, row * most_rays(scene)) if most_rays(scene) > rays else 0
     formulas = {o.surface.family: len(getattr(o.surface, "formula", "")) for o in scene.objects}
     return int(STARTED + pixels * (plane + copies) + wave * (WAVE_ROW + row) + waiting + CHARACTER * sum(formulas.values()))

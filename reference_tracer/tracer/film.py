@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
+import drjit as dr
 import numpy as np
 
 from .wavefront import DECIDED, NO_COLOR, Film, Primary
@@ -41,32 +43,37 @@ class PlaneBuffer:
         """Every plane of a picture; None where it is not among `names`."""
         return {name: self[name] if name in names else None for name in PLANES}
 
-    def store(self, where: slice | np.ndarray, light: Film, color_unit: float, samples: int,
-              hits: Primary | None = None, object_count: int = 0) -> None:
-        """Takes over what was traced for the pixels `where`; without `hits`, geometry planes stay as they are.
+    def store(self, where: slice | np.ndarray, seen: dict) -> None:
+        """Takes over what was `developed` of the pixels `where`; the planes that it lacks stay as they are."""
+        for name in seen.keys() & self._arrays.keys():
+            if isinstance(where, slice) and where == slice(0, len(self)):
+                # Dr.Jit has had that memory before: fresh pages would cost more than a quick picture
+                self._arrays[name] = seen[name].numpy()[..., :len(self)]
+                continue
+            count = len(range(*where.indices(len(self)))) if isinstance(where, slice) else len(where)
+            rows, columns = (self._arrays[name], seen[name]) if name in VECTORS else ([self._arrays[name]], [seen[name]])
+            for row, column in zip(rows, columns):
+                row[where] = column.numpy()[:count]
 
-        A colour is the mean of `samples`. A pixel one of whose colours is not finite has the colour NaN and is undecided.
-        """
-        count = len(self._arrays["color"][0, where]) if "color" in self._arrays else len(range(*where.indices(len(self))))
-        numpy = lambda array: array.numpy()[..., :count]
-        put = lambda name, value: self._arrays[name].__setitem__((..., where), value) if name in self._arrays else None
-        doubt = numpy(light.doubt)
-        if "color" in self._arrays:
-            color = self._arrays["color"][:, where]  # a view, unless `where` lists pixels
-            np.divide(numpy(light.color), samples / color_unit, out=color)  # one rounding: the unit is a power of two
-            if (lost := doubt == NO_COLOR).any():
-                color[:, lost] = np.nan
-            if not isinstance(where, slice):
-                put("color", color)
-        put("depth", numpy(light.generation))
-        if hits is None:
-            if "status" in self._arrays:
-                status = self._arrays["status"]
-                status[where] = np.where(doubt > DECIDED, UNDECIDED, status[where])
-            return
-        met = numpy(hits.index) < object_count
-        put("t", numpy(hits.t))
-        put("position", numpy(hits.point))
-        put("normal", numpy(hits.normal))
-        put("index", np.where(met, numpy(hits.index), -1))
-        put("status", np.where(doubt > DECIDED, UNDECIDED, np.where(met, HIT, MISS)))
+    def mark_undecided(self, where: np.ndarray, seen: dict) -> None:
+        if "status" in self._arrays:
+            self._arrays["status"][where[seen["doubt"].numpy()[:len(where)] > DECIDED]] = UNDECIDED
+
+
+def developed(light: Film, hits: Primary | None, samples_per_unit, object_count) -> dict:
+    """The planes of the pixels that were traced, as arrays of their final types; those of hits if there are `hits`.
+
+    A colour is a sum in units of `World.color_unit`, divided by the number of samples (`samples_per_unit`, Float64). A pixel
+    one of whose colours is not finite has the colour NaN and is undecided.
+    """
+    Float, UInt = type(samples_per_unit), type(light.doubt)
+    double = lambda vector: dr.float64_array_t(vector)(vector)
+    color = double(light.color) / samples_per_unit
+    seen = {"color": dr.select(light.doubt == NO_COLOR, math.nan, color), "depth": dr.uint8_array_t(UInt)(light.generation),
+            "doubt": light.doubt}
+    if hits is not None:
+        met = hits.index < object_count
+        status = dr.select(light.doubt > DECIDED, UInt(UNDECIDED), dr.select(met, UInt(HIT), MISS))
+        seen |= {"t": Float(hits.t), "position": double(hits.point), "normal": double(hits.normal),
+                 "index": dr.select(met, dr.int32_array_t(UInt)(hits.index), -1), "status": dr.uint8_array_t(UInt)(status)}
+    return seen

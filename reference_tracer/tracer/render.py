@@ -15,11 +15,11 @@ from ..scene.model import Scene
 from .camera_rays import CameraRays, camera_rays
 from .film import HIT as HIT
 from .film import MISS as MISS
-from .film import PLANES, PlaneBuffer
+from .film import PLANES, PlaneBuffer, developed
 from .film import UNDECIDED as UNDECIDED
 from .rays import Ray
 from .shading import Interaction
-from .wavefront import MOST_RAYS, Advance, Primary, Recorder, Wave, Wavefront
+from .wavefront import MOST_RAYS, Advance, Film, Primary, Recorder, Wave, Wavefront
 from .world import World
 
 
@@ -105,7 +105,7 @@ class Renderer:
         self.threads = use_threads(threads)
         self.wavefront = Wavefront(self.world)
         self._watched: dict[int, Wavefront] = {}  # of recorders
-        self._first_hits = recorded(self._first_hit)
+        self._first_hits, self._developed = recorded(self._first_hit), recorded(developed)
 
     def show(self, scene: Scene, world: type[World] = World) -> None:
         """Goes on with a `scene` that differs from the one before in places alone: what is recorded is replayed with them."""
@@ -174,9 +174,14 @@ class Renderer:
         centres = film.wants_hits and samples > 1  # the geometry planes belong to the pixel's centre
         if centres:
             hits = self._first_hits(camera_rays(self.world, pixels, 1), self.world.variables)
-        film.store(slice(pixels.start, pixels.stop), light, self.world.color_unit, self.world.optics.samples(samples),
-                   hits, self.world.object_count)
+        film.store(slice(pixels.start, pixels.stop), self.developed(light, hits, samples))
         return count if centres else 0
+
+    def developed(self, light: Film, hits: Primary | None, samples: int) -> dict:
+        """The planes of pixels of n x n samples; see `film.developed`."""
+        world = self.world
+        per_unit = dr.opaque(dr.float64_array_t(world.arrays.Float), world.optics.samples(samples) / world.color_unit)
+        return self._developed(light, hits, per_unit, world.arrays.count(world.object_count))
 
     def _first_hit(self, source: CameraRays, variables) -> Primary:
         world, ray = self.world, source.wave(self.world, 0).ray
@@ -197,7 +202,9 @@ class Renderer:
             light, _ = wavefront.trace(camera_rays(self.world, pixels, samples), len(pixels) * samples**2,
                                        max(len(pixels), 2), primary=False, progress=_within(
                                            progress, start / len(chosen), (start + len(pixels)) / len(chosen)))
-            film.store(pixels, light, self.world.color_unit, self.world.optics.samples(samples))
+            seen = self.developed(light, None, samples)
+            film.store(pixels, seen)
+            film.mark_undecided(pixels, seen)
 
 
 def _within(progress: Callable[[float], None] | None, start: float, stop: float) -> Callable[[Advance], None] | None:

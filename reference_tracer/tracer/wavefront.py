@@ -20,6 +20,7 @@ from typing import Protocol
 import drjit as dr
 
 from ..backend import recorded
+from ..scene.model import Scene
 from .compilation import announce
 from .rays import BITS, Hit, Ray, Sides
 from .shading import Interaction, interact
@@ -149,9 +150,12 @@ class Parents:
         return [(weight, refracts) for weight, refracts in kinds if weight is not None]
 
 
-def row_bytes(objects: int) -> int:
-    """The bytes that a interaction takes in `Parents`, in double precision, in a scene of that many objects."""
-    return 92 + 16 * -(-objects // BITS)
+def row_bytes(scene: Scene) -> int:
+    """The bytes that an interaction takes in `Parents`, in double precision."""
+    sides = 8 * -(-len(scene.objects) // BITS)
+    refracts = any(obj.material.transparency > 0 for obj in scene.objects)
+    kept = 24 + 4 + sides + (8 if scene.tracing.range == "path" else 0)  # point, slot, sides and what is left of the range
+    return kept + 32 + refracts * (32 + sides)  # direction and weight of each kind of ray
 
 
 @dataclass
@@ -217,7 +221,7 @@ class Wavefront:
     def __init__(self, world: World, observe: Callable[[Wave, Interaction], None] | None = None,
                  disturb: Callable[[Wave], Ray] | None = None, recorder: Recorder | None = None):
         self.world, self.observe, self.disturb, self.recorder = world, observe, disturb, recorder
-        self.rays, self._announced = 0, False
+        self.rays, self._announced, self._row = 0, False, row_bytes(world.scene)
         self._recorded = recorded(self._step)
 
     def trace(self, source: Source, count: int, slots: int, primary: bool = True,
@@ -251,8 +255,7 @@ class Wavefront:
 
     def _longest(self, held: int) -> int:
         """How many rays the next wave may have: half of the room that is left, so that any depth fits."""
-        row = row_bytes(self.world.object_count)
-        return min(MOST_RAYS, max(LEAST_PART, (MOST_HELD // row - held) // 2))
+        return min(MOST_RAYS, max(LEAST_PART, (MOST_HELD // self._row - held) // 2))
 
     def _traced(self, source: Source, film: Film, generation: int, primary: bool):
         last = generation == self.world.scene.tracing.max_depth

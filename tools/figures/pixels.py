@@ -9,11 +9,9 @@ import numpy as np
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.camera_rays import camera_rays
-from raytruth.reference_tracer.tracer.film import PlaneBuffer
 from raytruth.reference_tracer.tracer.image_files import to_8_bit
 from raytruth.reference_tracer.tracer.render import Renderer
 from raytruth.reference_tracer.tracer.wavefront import MOST_RAYS
-from raytruth.reference_tracer.tracer.world import World
 
 METHOD = "paper"  # the published figures were made by the document's own method
 
@@ -26,16 +24,14 @@ def colors(scene: Scene, pixels: np.ndarray, recorded: Renderer | None = None) -
     """
     renderer, samples = recorded or Renderer(scene, METHOD), scene.tracing.samples
     if recorded:
-        renderer.wavefront.world = World(scene, METHOD, renderer.world.arrays)
-    found, world = np.empty((len(pixels), 3)), renderer.wavefront.world
+        renderer.show(scene)
+    found, world = np.empty((len(pixels), 3)), renderer.world
     most = max(1, MOST_RAYS // samples**2)
     for start in range(0, len(pixels), most):
         part = pixels[start:start + most]
-        film = PlaneBuffer(("color",), 1, len(part))
         light, _ = renderer.wavefront.trace(camera_rays(world, part, samples), len(part) * samples**2,
                                             max(len(part), 2), primary=False)
-        film.store(slice(0, len(part)), light, world.color_unit, world.optics.samples(samples))
-        found[start:start + most] = film["color"][0]
+        found[start:start + most] = renderer.developed(light, None, samples)["color"].numpy()[:, :len(part)].T
     return found
 
 
