@@ -42,7 +42,7 @@ docs: $(VENV)/installed
 	@echo "open results/docs/index.html"
 
 bench: $(VENV)/installed
-	$(BIN)/python -m raytruth.comparisons.bench
+	$(BIN)/raytruth bench
 
 $(VENV)/installed: pyproject.toml setup.py constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -10,10 +10,12 @@ import sys
 import threading
 from importlib import import_module
 
+import shtab
+
 from .arguments import Parser, sentence
 
 COMMANDS = ("scenes", "render", "export", "check-image", "check-port", "truth", "compare", "attribute", "report", "certify",
-            "sensitivity", "stability", "transport", "chart", "plan", "doctor")
+            "sensitivity", "stability", "transport", "chart", "plan", "bench", "doctor")
 KEEPING = ("compare", "attribute", "transport", "chart")  # those whose next run reuses what an interrupted one finished
 OK, FINDINGS, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -33,6 +35,7 @@ def main(argv: list[str] | None = None) -> int:
     """Runs one command and returns the process's exit code."""
     parser = Parser(prog="raytruth", epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter,
                                      description="The ground truth for ray tracers of implicit surfaces f(x, y, z) = 0.")
+    shtab.add_argument_to(parser, "--print-completion", help="print a script that completes commands and options, for a shell")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     modules = {}
     for name in COMMANDS:
@@ -45,7 +48,11 @@ def main(argv: list[str] | None = None) -> int:
         parser.error("an option or path holds the character NUL; leave it out")
     if wrong := [a for a in (sys.argv[1:] if argv is None else argv) if a.startswith("--") and a.endswith("=--")]:
         parser.error(f"{wrong[0]}: is an option without a value")  # argparse makes a list of what is after the sign
-    arguments = parser.parse_args(argv)
+    try:
+        arguments = parser.parse_args(argv)  # it prints, where help is asked for
+        sys.stdout.flush()
+    except BrokenPipeError:
+        return _unheard()
     from raytruth.reference_tracer.errors import InputError
 
     goodbye = "raytruth: interrupted" + ("; finished runs are kept" if arguments.command in KEEPING else "")
@@ -55,9 +62,8 @@ def main(argv: list[str] | None = None) -> int:
         except InputError as error:
             print(f"raytruth: {sentence(error)}", file=sys.stderr)
             return BAD_INPUT
-        except BrokenPipeError:  # the reader of our output has gone
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return OK
+        except BrokenPipeError:
+            return _unheard()
         except OSError as error:  # a disk that is full, a folder that may not be written
             what = f"{error.filename}: cannot be used" if error.filename else "the system refuses"
             print(f"raytruth: {sentence(f'{what} ({error.strerror or error})')}; choose another file or folder, or make room",
@@ -71,6 +77,12 @@ def main(argv: list[str] | None = None) -> int:
                 raise
             print(goodbye, file=sys.stderr)
             return INTERRUPTED
+
+
+def _unheard() -> int:
+    """The reader of our output has gone: what is left of it goes nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return OK
 
 
 def _is_interruption(error: BaseException | None) -> bool:

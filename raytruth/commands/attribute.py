@@ -26,7 +26,7 @@ def add_arguments(parser):
     parser.add_argument("--fault", metavar="NAME", help="judge the reference with this fault made on purpose, by --with")
     parser.add_argument("--size", metavar="WxH", type=size, default=(320, 240), help="picture size (default 320x240)")
     parser.add_argument("--wrong-on-purpose", action="store_true", help="put every fault before every judge")
-    parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
+    parser.add_argument("-o", "--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
     parser.add_argument("--jobs", metavar="N", type=whole(1, 1024), default=2,
                         help="attributions made at the same time (default 2)")
     parser.add_argument("--json", action="store_true", help="print the document")

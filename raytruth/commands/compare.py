@@ -25,7 +25,7 @@ def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
     parser.add_argument("--renderers", metavar="A,B",
                         help="compare these (default: paper, mitsuba-native, mitsuba-mesh, embree, povray)")
-    parser.add_argument("--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
+    parser.add_argument("-o", "--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
     parser.add_argument("--largest", metavar="PIXELS", type=whole(8, 16384), default=640,
                         help="scenes with a longer side are compared at this size (default 640)")
     parser.add_argument("--limit", metavar="SECONDS", type=number(0.1, 1e6), default=300.0,

@@ -1,16 +1,18 @@
 """The benchmark's logic: turns, ratios, bars, what was accepted. Nothing here is timed."""
 
+import contextlib
 import json
 import math
 
 import pytest
 
+from raytruth.cli import main
 from raytruth.comparisons import document
 from raytruth.comparisons.bench import cases, measure
 from raytruth.comparisons.bench import document as accepted
-from raytruth.comparisons.bench.__main__ import line, main
 from raytruth.comparisons.bench.cases import Options
 from raytruth.comparisons.bench.document import Bench, Row
+from raytruth.comparisons.bench.text import line
 from raytruth.comparisons.bench.timing import Contestant, Cost, Measured, interleave, judged, row
 from raytruth.comparisons.execution.machine import machine
 from raytruth.reference_tracer.errors import InputError
@@ -161,20 +163,22 @@ def test_every_group_says_what_it_measures():
 
 def test_a_real_run_end_to_end(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(accepted, "ACCEPTED", tmp_path / "accepted.json")
-    output = tmp_path / "bench.json"
     asked = ["--only", "exact-vs-paper", "--scenes", "figure-05-sphere", "--turns", "2", "--size", "64x48"]
-    assert main([*asked, "--accept", "-o", str(output)]) == 0
-    made = document.read(output, Bench, "c").rows
+    assert main(["bench", *asked, "--accept", "-o", str(tmp_path)]) == 0
+    made = document.read(tmp_path / "bench.json", Bench, "c").rows
     assert [r.key for r in made] == ["exact-vs-paper/figure-05-sphere"]
     assert made[0].turns == 2 and made[0].seconds["exact"].wall > 0
     told = json.loads((tmp_path / "accepted.json").read_text())
     told["rows"]["exact-vs-paper/figure-05-sphere"] |= {"wall": 1e6, "cpu": 1e6}
     (tmp_path / "accepted.json").write_text(json.dumps(told))
-    assert main(asked) == 1
+    assert main(["bench", *asked]) == 1
     assert "SLOWER: exact-vs-paper/figure-05-sphere" in capsys.readouterr().out
 
 
-def test_input_errors_are_one_sentence():
-    for arguments, said in ((["--turns", "0"], "--turns"), (["--size", "1x"], "--size"), (["--only", "x"], "group")):
-        with pytest.raises(InputError, match=said):
-            main(arguments)
+@pytest.mark.parametrize("arguments, said", [(["--turns", "0"], "--turns"), (["--size", "1x"], "--size"),
+                                             (["--only", "x"], "group"), (["-o", __file__], "test_bench.py")])
+def test_input_errors_are_one_sentence(arguments, said, capsys):
+    with contextlib.suppress(SystemExit):  # argparse's own way to end
+        assert main(["bench", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1

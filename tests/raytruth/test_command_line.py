@@ -40,6 +40,15 @@ def test_help_teaches(capsys):
         assert code == 0 and len(out) > 150
 
 
+def test_a_shell_takes_the_completion_and_completes_an_option(capsys, tmp_path):
+    code, script, _ = run(capsys, "--print-completion", "bash")
+    (tmp_path / "completion").write_text(script)
+    asked = (f"source {tmp_path / 'completion'}; complete -p raytruth; "
+             "COMP_WORDS=(raytruth attribute --wro); COMP_CWORD=2; _shtab_raytruth; echo ${COMPREPLY[@]}")
+    told = subprocess.run(["bash", "-c", asked], capture_output=True, text=True)
+    assert code == 0 and "_shtab_raytruth raytruth" in told.stdout and "--wrong-on-purpose" in told.stdout
+
+
 def test_scenes_lists_checks_and_shows(capsys, ball):
     code, out, _ = run(capsys, "scenes")
     assert code == 0 and "figure-05-sphere" in out
