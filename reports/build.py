@@ -93,7 +93,8 @@ def _write(report: Report, results_folder: Path, folder: Path, progress: Callabl
     for path, pixels in {path: pixels for page in pages for path, pixels in page.pictures.items()}.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         write_8_bit(pixels, folder / path)
-    for path, text in {**files, **static(templates)}.items():
+    tables = {path: text for page in pages for path, text in page.tables.items()}
+    for path, text in {**files, **tables, **static(templates)}.items():
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_text(text, encoding="utf-8", newline="\n")
     progress(1.0)

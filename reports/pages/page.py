@@ -66,6 +66,7 @@ class Page:
     section: str = ""  # the entry of the upper bar that it belongs to
     summary: Summary | None = None  # only of a page in the bar
     pictures: dict[str, np.ndarray] = field(default_factory=dict)  # files beside it: path to (h, w, 3) uint8
+    tables: dict[str, str] = field(default_factory=dict)  # files beside it: path to text
 
     @property
     def root(self) -> str:

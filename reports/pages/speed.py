@@ -11,6 +11,7 @@ from raytruth.comparisons.charting.document import FILE, Chart, Growth, Point, S
 
 from ..figures.charts import Axis, Line, chart
 from ..text.numbers import parts
+from ..text.tables import comma_separated
 from ..text.words import count, sentence, slug
 from .page import Page, Report, Summary
 
@@ -35,6 +36,10 @@ class SubjectView:
     charts: tuple[str, ...]  # the first one stands for all
     entries: tuple[Entry, ...]
     picked: str  # the finding that stands for the subject
+
+    @property
+    def table(self) -> str:
+        return f"speed/{slug(self.subject.id)}.csv"
 
 
 @dataclass(frozen=True)
@@ -66,8 +71,19 @@ def pages(report: Report) -> list[Page]:
         "Speed against accuracy",
         f"Every first-hit method and every renderer over its own parameter, on {len(speed.subjects)} scenes and "
         "surfaces, against proven first hits.", sentence(speed.headline), "The charts")
-    return [Page("speed.html", "speed.html.j2", {"speed": speed}, nav="Speed", summary=summary)] + [
-        Page(view.page, "speed_subject.html.j2", {"speed": speed, "view": view}) for view in speed.subjects]
+    return [Page("speed.html", "speed.html.j2", {"speed": speed}, nav="Speed", summary=summary,
+                 tables={f"growth-{slug(growth.id)}.csv": _growth_table(growth) for growth, _ in speed.growths})] + [
+        Page(view.page, "speed_subject.html.j2", {"speed": speed, "view": view}, tables={view.table: _table(view.subject)})
+        for view in speed.subjects]
+
+
+def _table(subject: Subject) -> str:
+    """Times in seconds."""
+    return comma_separated({"series": s.title, **p.model_dump()} for s in subject.series for p in s.points)
+
+
+def _growth_table(growth: Growth) -> str:
+    return comma_separated({"line": line.label, **p.model_dump()} for line in growth.lines for p in line.points)
 
 
 class Speed:

@@ -1,5 +1,7 @@
 """Speed against accuracy: where points stand, what the frontier is, and the pages."""
 
+import csv
+
 from report_support import HOSTILE, make_results
 
 from raytruth import reports
@@ -129,6 +131,21 @@ def test_the_pages_are_there_only_with_their_document(folder, tmp_path):
         assert words in subject or words in overview
     assert subject.count("<svg class=\"chart\"") == 8
     assert 'href="speed.html"' in (html / "index.html").read_text(encoding="utf-8")
+
+
+def test_the_numbers_behind_the_charts_are_a_table_for_other_programs(folder, tmp_path):
+    document.write(make_chart(*ALL, series("=1+1", point(0.4, 5))), folder / FILE)
+    html = reports.build(folder, tmp_path / "html").parent
+    for page, link in (("speed/figure-05-sphere.html", "speed/figure-05-sphere.csv"), ("speed.html", "growth-pixels.csv")):
+        assert f'{link}" download' in (html / page).read_text(encoding="utf-8")
+    rows = list(csv.DictReader((html / "speed/figure-05-sphere.csv").open(encoding="utf-8", newline="")))
+    of = {(row["series"], row["label"]): row for row in rows}
+    assert len(rows) == 7 and of["paper", "h 0.05"]["accuracy.wrong"] == "30"
+    assert float(of["paper", "h 0.01"]["picture.wall.high"]) == 1.6
+    assert of["other", ""]["message"] == f"signal 11 {HOSTILE}" and of["other", ""]["accuracy.wrong"] == ""
+    assert ("'=1+1", "") in of  # no spreadsheet computes a name
+    grown = list(csv.DictReader((html / "growth-pixels.csv").open(encoding="utf-8", newline="")))
+    assert [row["x"] for row in grown] == ["1.0", "2.0", "4.0"] and grown[2]["picture.wall.median"] == "0.25"
 
 
 def test_a_subject_without_a_truth_says_why(folder, tmp_path):
