@@ -411,3 +411,18 @@ def test_ten_thousand_comparisons_are_filtered_within_a_second(browser, tmp_path
         print(f"filtered 10 000 comparisons in {seconds:.3f} s of processor time")
         assert page.inner_text("[data-part=matches]") == told and seconds <= 1
     page.close()
+
+
+def test_pictures_of_each_kind_of_page_are_taken_and_what_is_wrong_is_told(site, tmp_path, browser):
+    from tools.screenshots import SCHEMES, WINDOWS, main, photographed
+
+    few = tmp_path / "few"
+    for name in ("index.html", "trust.html", SCENE, *(path.name for path in site.glob("*.css")), *(p.name for p in site.glob("*.js"))):
+        (few / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(site / name, few / name)
+    (few / "trust.html").write_text("<p style='width: 3000px'>wide</p><script>console.error('broken')</script>")
+    wrong = photographed(few, tmp_path / "shots", browser)
+    assert len(list((tmp_path / "shots").glob("*.png"))) == 3 * len(WINDOWS) * len(SCHEMES)
+    told = [what for what in wrong if what.startswith("trust.html")]
+    assert any("says 'broken'" in what for what in told) and any("wider than its window" in what for what in told)
+    assert main([str(tmp_path), "-o", str(tmp_path / "none")]) == 2
