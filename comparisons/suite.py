@@ -15,8 +15,9 @@ from . import document, effects, renderers, studies
 from .agreement import matrix, records, tightness
 from .attribution.explain import LARGEST, explained
 from .attribution.followed import with_histories
+from .execution.cluster import engine
 from .execution.machine import machine
-from .execution.pool import Pool, Progress, Silent
+from .execution.pool import Progress, Silent
 from .execution.store import require_folder
 from .renderers import RENDERERS
 from .results import COMMAND, FILE, Comparison, Results, Run, SceneRecord, joined
@@ -41,6 +42,7 @@ class Options:
     largest: int = 640  # pixels of the longer side; larger scenes are compared at this size, those of many samples smaller
     limit: float = SECONDS_PER_RUN
     jobs: int = 2  # cases made at the same time
+    cluster: str | None = None  # the address of a Dask scheduler, whose workers make them instead
     with_studies: bool = True
     fresh: bool = False  # whether what the folder says of other scenes and renderers is dropped
     progress: Progress = field(default_factory=Silent)
@@ -70,7 +72,7 @@ def compare(scenes: Sequence[Scene], options: Options) -> Results:
                        key=lambda request: by_renderer[request.renderer])
     requests += [request for study in planned for request in study.requests()]
     requests += effects.requests(scenes) + tightness.requests(scenes, options.renderers) if options.with_studies else []
-    with Pool(options.jobs, options.progress) as pool:
+    with engine(options.jobs, options.progress, options.cluster) as pool:
         runs = store.make_all(requests, pool, options.limit)
         measurements = Measurements(options.folder, pool, options.limit)
         made = [Pair(scene, *(runs[Request(scene, name).key] for name in pair)) for scene, *pair in both]

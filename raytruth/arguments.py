@@ -95,6 +95,18 @@ def require_file(path: Path | None, suffix: str) -> None:
         raise InputError(f"{path}: cannot be written; choose another file")
 
 
+def add_engine(parser, what: str, most: int = 1024) -> None:
+    """The options that say where `what` is made: by how many processes here, or by a cluster."""
+    parser.add_argument("--jobs", metavar="N", type=whole(1, most), default=2, help=f"{what} at the same time (default 2)")
+    parser.add_argument("--cluster", metavar="ADDRESS", help="made by the workers of this Dask scheduler instead, e.g. "
+                        "tcp://10.0.0.1:8786; they have to see the folder of results at the same path")
+
+
+def seen_from(cluster: str | None, folder: Path) -> Path:
+    """`folder` as the workers of a `cluster`, if there is one, can open it: they run elsewhere."""
+    return folder.absolute() if cluster else folder
+
+
 def require_folder(path: Path | None) -> None:
     """Raises InputError unless files can be written into the folder `path`, which may have to be made."""
     from raytruth.reference_tracer.errors import InputError

@@ -7,7 +7,7 @@ from raytruth import reference_tracer  # noqa: F401  chooses the LLVM library
 # files of tests that take more than some seconds together (`pytest --durations=0`): `make check` leaves them out
 SLOW = {
     "accumulation", "attribution", "attribution_suite", "backend", "bench", "bounds", "broken_methods", "bundle",
-    "certify", "certify_multiple_roots", "certify_switches", "certify_tangency", "chart_suite", "check_image",
+    "certify", "certify_multiple_roots", "certify_switches", "certify_tangency", "chart_suite", "check_image", "cluster",
     "clip", "command_line", "compilation", "conditioning", "cpp_port", "decisions", "docs", "document", "effects",
     "embree", "enclosures", "extending", "figure_switches", "figure_switches_elsewhere", "first_hit", "formulas",
     "hostile_inputs", "hostile_ports", "interrupted_suites", "intervals", "laws", "matrix", "memory_bands",

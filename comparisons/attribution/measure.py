@@ -17,6 +17,7 @@ from raytruth.reference_tracer.tracer.render import Picture, Renderer
 from .. import document, renderers
 from ..execution import pool as pools
 from ..execution import store
+from ..execution.cluster import engine
 from ..execution.pool import Pool, Progress
 from ..renderers import RENDERERS
 from ..suites import reader
@@ -228,13 +229,14 @@ def answer(request: dict) -> dict:
     return {"state": "ok", "judged": judged.model_dump(mode="json")}
 
 
-def wrong_on_purpose(folder: Path, *, jobs: int = 2, progress: Progress | None = None) -> Table:
+def wrong_on_purpose(folder: Path, *, jobs: int = 2, progress: Progress | None = None,
+                     cluster: str | None = None) -> Table:
     """Puts every fault, and none, before every judge, and writes attribution.json into `folder`."""
     judges = [name for name in JUDGES if name in RENDERERS]
     rows = {(f.id, f.effect): f for f in FAULTS.values()} | {("", effect): None for effect in library.effects()}
     tasks = {(id, effect, judge): Task(library.scene(effect).resized(WIDTH, HEIGHT), judge, fault=id)
              for id, effect in rows for judge in judges}
-    with Pool(jobs, progress) as pool:
+    with engine(jobs, progress, cluster) as pool:
         answers = make_all(list(tasks.values()), folder, pool)
     table = Table(width=WIDTH, height=HEIGHT, command=COMMAND, rows=[
         _row(f, effect, [_judgement(judge, answers[tasks[id, effect, judge]]) for judge in judges])

@@ -1,7 +1,8 @@
 """One pool for all suites: tasks made in processes of their own, several at a time, told as they end.
 
 A pool is asked by `run`, with tasks that name their key, and answers small dicts; whatever is large goes through the
-store, as files. So an engine that spreads tasks over many machines with a common folder can stand in for `Pool`.
+store, as files. So an engine that spreads tasks over many machines with a common folder can stand in for `Pool`: see
+cluster.py.
 """
 
 from __future__ import annotations

@@ -6,7 +6,8 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from ..execution.pool import Pool, Task
+from ..execution.cluster import engine
+from ..execution.pool import Task
 
 LIMIT = 120.0  # seconds for one scene
 RENEWED = 250  # scenes after which a process is replaced: its kernels fill memory
@@ -64,12 +65,12 @@ class Total:
         return not self.missed(kind)
 
 
-def run(count: int, seed: int, jobs: int, method: str = "exact") -> Iterator[Answer]:
+def run(count: int, seed: int, jobs: int, method: str = "exact", cluster: str | None = None) -> Iterator[Answer]:
     """Renders and judges the scenes of `count` seeds from `seed` on. Yields answers as they end, which is not far from the
     order of the seeds."""
     tasks = [Task(str(k), f"scene {k}", "raytruth.comparisons.random_scenes.worker:answer", {"seed": k, "method": method},
                   LIMIT, process=f"random scenes {k // RENEWED}") for k in range(seed, seed + count)]
-    with Pool(jobs) as pool:
+    with engine(jobs, cluster=cluster) as pool:
         for task, answer in pool.run(tasks):
             yield _read(task, answer)
 

@@ -14,7 +14,8 @@ import numpy as np
 from scipy.stats import binom
 
 from ..execution import store
-from ..execution.pool import Pool, Progress, Task, complete
+from ..execution.cluster import engine
+from ..execution.pool import Progress, Task, complete
 from ..execution.store import Store
 from ..suites import head, reader
 from . import cases
@@ -44,14 +45,14 @@ Outcomes = dict[tuple[Method, int], list[Outcome | None]]
 
 
 def run(families: Sequence[Family], folder: Path, *, rays: int = RAYS, jobs: int = 2, limit: float = SECONDS_PER_FAMILY,
-        progress: Progress | None = None) -> Stability:
+        progress: Progress | None = None, cluster: str | None = None) -> Stability:
     """The document of `families` under all methods, with `rays` random rays at every value of a difficulty; writes nothing
     but what it keeps of families."""
     start, kept = time.monotonic(), Store(folder, FOLDER)
     tasks = [Task(store.key(family.about.id, rays, made_by=(__name__,)), family.about.title,
                   f"{__name__}:answer", {"family": family.about.id, "rays": rays}, limit)
              for family in families]
-    with Pool(jobs, progress) as pool:
+    with engine(jobs, progress, cluster) as pool:
         found = complete(tasks, kept, pool, Examined.model_validate_json, reader(Examined, "measurement"))
     return document_of(families, [found[task.key] for task in tasks], METHODS, rays, start)
 

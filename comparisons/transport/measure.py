@@ -23,7 +23,8 @@ from raytruth.reference_tracer.tracer.render import UNDECIDED, Picture
 from raytruth.reference_tracer.tracer.sensitivity import ORIGIN_UNITS, SAFETY, perturbed
 
 from ..execution import store
-from ..execution.pool import Pool, Progress, Task, complete
+from ..execution.cluster import engine
+from ..execution.pool import Progress, Task, complete
 from ..execution.store import Store
 from ..results import Gate
 from ..suites import head
@@ -45,14 +46,14 @@ SECONDS_PER_CASE = 120.0
 
 
 def run(cases: Sequence[Case], folder: Path, *, limit: float = SECONDS_PER_CASE, jobs: int = 2,
-        progress: Progress | None = None) -> Transport:
+        progress: Progress | None = None, cluster: str | None = None) -> Transport:
     """Measures `cases`, `jobs` at a time, within `limit` seconds each; writes nothing but what it keeps of cases."""
     start, kept = time.monotonic(), Store(folder, FOLDER)
     by_key = {key(case): case for case in cases}
     # the long ones first, so that none is left alone at the end
     tasks = [Task(k, case.id, f"{__name__}:answer", {"case": case.id, "planes": str(kept.file(k))}, limit)
              for k, case in sorted(by_key.items(), key=lambda item: -sum(item[1].ladder))]
-    with Pool(jobs, progress) as pool:
+    with engine(jobs, progress, cluster) as pool:
         records = complete(tasks, kept, pool, CaseRecord.model_validate_json, partial(_settled, by_key, kept), arrays=True)
     return Transport(**head(start), cases=[records[k] for k in by_key])
 

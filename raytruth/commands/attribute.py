@@ -16,7 +16,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from ..arguments import require_folder, resized, size, whole
+from ..arguments import add_engine, require_folder, resized, seen_from, size
 
 
 def add_arguments(parser):
@@ -27,8 +27,7 @@ def add_arguments(parser):
     parser.add_argument("--size", metavar="WxH", type=size, default=(320, 240), help="picture size (default 320x240)")
     parser.add_argument("--wrong-on-purpose", action="store_true", help="put every fault before every judge")
     parser.add_argument("-o", "--results", metavar="DIR", type=Path, default=Path("results"), help="default: results")
-    parser.add_argument("--jobs", metavar="N", type=whole(1, 1024), default=2,
-                        help="attributions made at the same time (default 2)")
+    add_engine(parser, "attributions made")
     parser.add_argument("--json", action="store_true", help="print the document")
 
 
@@ -104,7 +103,8 @@ def _all_faults(arguments) -> int:
     from raytruth.comparisons.progress import Cases
 
     with Cases() as progress:
-        table = wrong_on_purpose(arguments.results, jobs=arguments.jobs, progress=progress)
+        table = wrong_on_purpose(seen_from(arguments.cluster, arguments.results), jobs=arguments.jobs, progress=progress,
+                                 cluster=arguments.cluster)
     if arguments.json:
         print(table.model_dump_json(indent=1))
     else:

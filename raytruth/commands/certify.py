@@ -26,7 +26,7 @@ import sys
 from pathlib import Path
 
 from .. import memory
-from ..arguments import resized, size, whole
+from ..arguments import add_engine, resized, size, whole
 from ..compile_time import compile_time_announced
 
 # bytes a pixel beside the picture's: twice the most that was found, by `/usr/bin/time -v raytruth certify figure-07-torus
@@ -46,7 +46,7 @@ def add_arguments(parser):
     parser.add_argument("--random", type=int, metavar="N", help="certify N random scenes instead, those of the seeds "
                                                                 "--seed, --seed + 1, ...")
     parser.add_argument("--seed", type=int, default=0, metavar="K", help="the first random scene (default 0)")
-    parser.add_argument("--jobs", type=int, default=2, metavar="J", help="random scenes at a time (default 2)")
+    add_engine(parser, "random scenes", 64)
     parser.add_argument("-o", "--results", type=Path, metavar="DIR", default=Path("results/random"),
                         help="folder for random scenes that fail (default results/random)")
 
@@ -93,13 +93,14 @@ def _run_random(arguments) -> int:
 
     if arguments.scene:
         raise InputError("--random draws its scenes: name none")
-    for name, low, high in (("random", 1, 10_000_000), ("seed", 0, 10**12), ("jobs", 1, 64)):
+    for name, low, high in (("random", 1, 10_000_000), ("seed", 0, 10**12)):
         if not low <= getattr(arguments, name) <= high:
             raise InputError(f"--{name}: must be {low} to {high}; found {getattr(arguments, name)}")
     totals, stopped = {}, False
     with Progress(arguments.random, label="random scenes") as bar:
         try:
-            for answer in suite.run(arguments.random, arguments.seed, arguments.jobs, arguments.method):
+            for answer in suite.run(arguments.random, arguments.seed, arguments.jobs, arguments.method,
+                                    arguments.cluster):
                 one = suite.Total.of(answer)
                 totals[answer.kind] = totals[answer.kind] + one if answer.kind in totals else one
                 if not one.holds(answer.kind):

@@ -18,7 +18,7 @@ import sys
 from collections import Counter
 from pathlib import Path
 
-from ..arguments import number, require_folder, whole
+from ..arguments import add_engine, number, require_folder, seen_from, whole
 
 
 def add_arguments(parser):
@@ -30,7 +30,7 @@ def add_arguments(parser):
                         help="scenes with a longer side are compared at this size (default 640)")
     parser.add_argument("--limit", metavar="SECONDS", type=number(0.1, 1e6), default=300.0,
                         help="time limit of one run (default 300)")
-    parser.add_argument("--jobs", metavar="N", type=whole(1, 1024), default=2, help="runs made at the same time (default 2)")
+    add_engine(parser, "runs made")
     parser.add_argument("--no-studies", action="store_true", help="leave out the sweeps of resolution and step size")
     parser.add_argument("--fresh", action="store_true", help="drop what the results say of other scenes and renderers")
     parser.add_argument("--json", action="store_true", help="print the results document")
@@ -56,9 +56,10 @@ def run(arguments) -> int:
         raise InputError(f"two scenes are named {twice[0]!r}; give each its own \"name\"")
     require_folder(arguments.results)
     with Cases() as progress:
-        results = compare(scenes, Options(folder=arguments.results, renderers=chosen, largest=arguments.largest,
-                                          limit=arguments.limit, jobs=arguments.jobs, progress=progress,
-                                          with_studies=not arguments.no_studies, fresh=arguments.fresh))
+        results = compare(scenes, Options(
+            folder=seen_from(arguments.cluster, arguments.results), renderers=chosen, largest=arguments.largest,
+            limit=arguments.limit, jobs=arguments.jobs, cluster=arguments.cluster, progress=progress,
+            with_studies=not arguments.no_studies, fresh=arguments.fresh))
     matrix = records.read(arguments.results)
     if arguments.json:
         print(results.model_dump_json(indent=1))

@@ -15,15 +15,14 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from ..arguments import require_folder, whole
+from ..arguments import add_engine, require_folder, seen_from, whole
 
 
 def add_arguments(parser):
     parser.add_argument("--family", action="append", default=[], metavar="NAME",
                         help="run this family only (repeatable)")
     parser.add_argument("--rays", type=whole(1), default=400, metavar="N", help="rays at every value of p (default 400)")
-    parser.add_argument("--jobs", type=whole(1, 1024), default=2, metavar="N",
-                        help="families examined at the same time (default 2)")
+    add_engine(parser, "families examined")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR",
                         help="folder for stability.json (default: results, if every family is run)")
     parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
@@ -42,8 +41,8 @@ def run(arguments) -> int:
     folder = arguments.results or (None if arguments.family else Path("results"))
     require_folder(folder)
     with Cases() as progress:
-        document = measure.run(chosen, folder or Path("results"), rays=arguments.rays, jobs=arguments.jobs,
-                               progress=progress)
+        document = measure.run(chosen, seen_from(arguments.cluster, folder or Path("results")), rays=arguments.rays,
+                               jobs=arguments.jobs, progress=progress, cluster=arguments.cluster)
     if folder is not None:
         documents.keep(document, folder, arguments.fresh)
     if arguments.json:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from ..arguments import number, require_folder, whole
+from ..arguments import add_engine, number, require_folder, seen_from
 
 
 def add_arguments(parser):
@@ -25,8 +25,7 @@ def add_arguments(parser):
                         help="folder for transport.json (default: results, if every case is run)")
     parser.add_argument("--limit", type=number(0.1, 1e6), default=120.0, metavar="SECONDS",
                         help="time limit of a case (default 120)")
-    parser.add_argument("--jobs", type=whole(1, 1024), default=2, metavar="N",
-                        help="cases measured at the same time (default 2)")
+    add_engine(parser, "cases measured")
     parser.add_argument("--fresh", action="store_true", help="drop what the document held before")
     parser.add_argument("--json", action="store_true", help="print the document")
 
@@ -40,7 +39,8 @@ def run(arguments) -> int:
     folder = arguments.results or Path("results")
     require_folder(folder)
     with Cases() as progress:
-        document = measure.run(chosen, folder, limit=arguments.limit, jobs=arguments.jobs, progress=progress)
+        document = measure.run(chosen, seen_from(arguments.cluster, folder), limit=arguments.limit, jobs=arguments.jobs,
+                               progress=progress, cluster=arguments.cluster)
     if arguments.results or not arguments.case:
         documents.keep(document, folder, arguments.fresh)
         print(f"written to {folder / documents.FILE}", file=sys.stderr)

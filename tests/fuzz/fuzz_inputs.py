@@ -256,7 +256,7 @@ def options(chance: random.Random) -> Input:
             extra = [f"--size={chance.choice(SIZES)}"]
         case "name":
             extra = [f"{NAMED[command]}={chance.choice(WORDS)}" + chance.choice(("", "", "?"))]
-            extra = [extra[0] + "?" if extra[0].endswith("=") else extra[0]]
+            extra = [extra[0] + "?" if extra[0].endswith(("=", "--object=0")) else extra[0]]  # objects have numbers, too
         case "folder":
             files["blocked"] = b""
             extra = [f"{FOLDERS[command]}={chance.choice(('{dir}/blocked', '{dir}/blocked/inside', '/proc/1/x', '/dev/null'))}"]
