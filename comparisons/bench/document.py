@@ -96,7 +96,7 @@ class Fall(Record):
 
 def read_accepted(path: Path) -> Accepted:
     """Raises InputError where there is none."""
-    return document.read(path, Accepted, "python -m raytruth.comparisons.bench --accept")
+    return document.read(path, Accepted, "raytruth bench --accept")
 
 
 def accept(bench: Bench, earlier: Accepted | None, path: Path) -> Path:

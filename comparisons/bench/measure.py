@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
-from ..execution.pool import Pool, Task
+from ..execution.pool import Pool, Progress, Task
 from ..suites import choose, head
 from .cases import GROUPS, Group, Options
 from .document import Bench, Row
@@ -14,11 +14,12 @@ from .document import Bench, Row
 LONGEST = 3600.0  # seconds for one case
 
 
-def run(groups: Sequence[Group], options: Options, scenes: list[str], tell: Callable[[Row], None] = lambda row: None) -> Bench:
+def run(groups: Sequence[Group], options: Options, scenes: list[str], tell: Callable[[Row], None] = lambda row: None,
+        progress: Progress | None = None) -> Bench:
     """The document of `groups`, of their cases named in `scenes` (all if empty); `tell` is called with every row."""
-    start, rows = time.monotonic(), []
-    with Pool(1) as pool:
-        for group, case in chosen(groups, scenes):
+    start, rows, pairs = time.monotonic(), [], chosen(groups, scenes)
+    with Pool(1, progress) as pool:
+        for group, case in pairs:
             for row in _measured(pool, group, case, options):
                 rows.append(row)
                 tell(row)
@@ -33,7 +34,7 @@ def chosen(groups: Sequence[Group], scenes: list[str]) -> list[tuple[Group, str]
 
 
 def _measured(pool: Pool, group: Group, case: str, options: Options) -> list[Row]:
-    command = f"python -m raytruth.comparisons.bench --only {group.name} --scenes {case}"
+    command = f"raytruth bench --only {group.name} --scenes {case}"
     found = pool.ask(Task(case, f"{group.name}: {case}", f"{__name__}:answer", {
         "group": group.name, "case": case, "options": asdict(options)}, LONGEST))
     if found["state"] == "ok":

@@ -39,6 +39,8 @@ def run(arguments) -> int:
         if arguments.scene or arguments.renderer or arguments.fault:
             raise InputError("--wrong-on-purpose: has scenes, judges and faults of its own; name none")
         return _all_faults(arguments)
+    if arguments.cluster:
+        raise InputError("--cluster: spreads --wrong-on-purpose; leave it out for one attribution")
     if not (arguments.scene and arguments.renderer):
         raise InputError("name a scene and --with RENDERER, or ask for --wrong-on-purpose")
     return _one(arguments)

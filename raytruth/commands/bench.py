@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..arguments import number, require_folder, size, whole
+from ..arguments import number, require_folder, resized, size, whole
 
 
 def add_arguments(parser):
@@ -41,9 +41,13 @@ def run(arguments) -> int:
 
     from raytruth.comparisons import document as documents
     from raytruth.comparisons.bench import cases, document, measure, text
+    from raytruth.comparisons.progress import Cases
     from raytruth.comparisons.results import BROKEN
+    from raytruth.reference_tracer.scene import library
 
     chosen = cases.find(arguments.only)
+    if arguments.size and arguments.size != "own":
+        resized(library.scene("figure-05-sphere"), size(arguments.size))  # what a picture may have is the format's to say
     options = cases.Options(arguments.turns, arguments.size, arguments.clock, arguments.limit, arguments.quick)
     partial = bool(arguments.only or arguments.scenes or arguments.size or arguments.quick)
     folder = arguments.results or (None if partial else Path("results"))
@@ -51,7 +55,8 @@ def run(arguments) -> int:
     before = document.read_accepted(document.ACCEPTED) if document.ACCEPTED.exists() else None
     tell = lambda line: print(line, file=sys.stderr if arguments.json else sys.stdout, flush=True)
     tell(text.HEAD)
-    bench = measure.run(chosen, options, arguments.scenes, tell=lambda row: tell(text.line(row)))
+    with Cases() as progress:
+        bench = measure.run(chosen, options, arguments.scenes, lambda row: tell(text.line(row)), progress)
     if folder:
         documents.write(bench, folder / document.FILE)
     falls = document.falls(bench, before) if before else []

@@ -59,9 +59,12 @@ def _run(arguments) -> int:
     from raytruth.comparisons.progress import Progress
     from raytruth.reference_tracer.certify import certify
     from raytruth.reference_tracer.certify.text import told
+    from raytruth.reference_tracer.errors import InputError
     from raytruth.reference_tracer.scene import library
     from raytruth.reference_tracer.tracer.film import PLANES
 
+    if arguments.cluster:
+        raise InputError("--cluster: spreads random scenes; give --random N as well, or leave it out")
     scenes = [library.find(name) for name in arguments.scene or library.names()]
     scenes = [resized(scene, arguments.size) for scene in scenes]
     for scene in scenes:

@@ -226,12 +226,13 @@ NUMERIC = {  # options with a number, for each command; every one of BAD_NUMBERS
     "render": ["--samples", "--step-size", "--threads", "--memory"], "certify": ["--sample", "--paths", "--threads"],
     "sensitivity": ["--verify"], "compare": ["--largest", "--limit", "--jobs"], "transport": ["--limit", "--jobs"],
     "chart": ["--turns", "--limit"], "plan": ["--tolerance", "--limit"], "stability": ["--rays"], "attribute": ["--jobs"],
-    "export": ["--cells"]}
+    "export": ["--cells"], "bench": ["--turns", "--limit"]}
 BAD_NUMBERS = ("abc", "-3", "nan", "NaN", "inf", "-inf", "1e400", "", " ", "½", "9" * 5000, "-1e9", "None", "\x00", "1,5", "0x10")
-SIZED = ("render", "certify", "sensitivity", "chart", "plan", "attribute")
+SIZED = ("render", "certify", "sensitivity", "chart", "plan", "attribute", "bench")
 NAMED = {"compare": "--renderers", "stability": "--family", "chart": "--growth", "render": "--with", "attribute": "--with",
-         "export": "--object"}
-FOLDERS = {"compare": "--results", "transport": "-o", "stability": "-o", "chart": "-o", "plan": "--results", "report": "--results"}
+         "export": "--object", "bench": "--only"}
+FOLDERS = {"compare": "--results", "transport": "-o", "stability": "-o", "chart": "-o", "plan": "--results", "report": "--results",
+           "bench": "-o"}
 FILES = {"render": "-o", "sensitivity": "-o", "plan": "-o", "export": "-o"}
 SETTINGS = ("resolution=abc", "resolution=NaN", "resolution=1e9", "resolution=-5", "resolution=", "resolution", "=3", "colour=red",
             "resolution=" + "[" * 5000, "shapes=none", "error=nan", "error=-1", "refined=maybe", "resolution=3.5", "repeat=2",
@@ -246,7 +247,7 @@ def options(chance: random.Random) -> Input:
     scene, output = "{dir}/good.json", "{dir}/out.ply" if command == "export" else "{dir}/out.npz"
     wrong = chance.choice([name for name, there in (
         ("number", command in NUMERIC), ("size", command in SIZED), ("name", command in NAMED), ("folder", command in FOLDERS),
-        ("file", command in FILES), ("scene", command not in ("report", "stability", "transport")), ("option", True),
+        ("file", command in FILES), ("scene", command not in ("report", "stability", "transport", "bench")), ("option", True),
         ("setting", command == "render"), ("contradiction", command in ("render", "attribute"))) if there])
     extra: list[str] = []
     match wrong:
