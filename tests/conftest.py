@@ -19,7 +19,14 @@ SLOW = {
     "wavefront_against_recursion"}
 
 
+# files of half a minute and more: begun first, so that no processor waits for one of them at the end
+LONG = ("port_checks", "povray_picture", "report_browser", "check_image", "accumulation", "pool", "interrupted_suites", "cluster",
+        "oracle", "right_is_never_odd", "hostile_inputs")
+
+
 def pytest_collection_modifyitems(items):
+    place = {name: k for k, name in enumerate(LONG)}
+    items.sort(key=lambda item: place.get(item.path.stem.removeprefix("test_"), len(LONG)))  # stable: all else stays
     for item in items:
         if item.path.stem.removeprefix("test_") in SLOW:
             item.add_marker("slow")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections import OrderedDict
 
 import numpy as np
 
@@ -25,6 +27,10 @@ SPARE = 1.02  # asked of a prediction beyond what the law says, so that few need
 EXACT = 1e-6  # a mesh this far below the stated error is flat or empty, and no resolution changes it
 MOST_ROUNDS = 12
 MEASURED = 100_000  # triangles, the most curved ones, where no error is asked for
+MOST_KEPT = 1 << 28  # bytes of meshes that a process keeps for the next scene
+
+
+_kept: OrderedDict[str, Mesh] = OrderedDict()  # by what they are made of, the last used at the end
 
 
 def mesh_object(obj: Object, scene: Scene, resolution: int = 256) -> Mesh:
@@ -35,11 +41,20 @@ def mesh_object(obj: Object, scene: Scene, resolution: int = 256) -> Mesh:
     if resolution < COARSEST:
         raise InputError(f"a mesh needs a resolution of at least {COARSEST} cells; found {resolution}")
     placed = Placed(obj)
-    vertices, faces, clipped = _triangles(placed, scene, resolution)
-    normals = normals_at(placed, vertices, faces)
-    looked_at = worst(vertices, faces, normals, MEASURED)
-    errors = of_triangles(placed, vertices, looked_at)
-    return _placed_mesh(placed, vertices, faces, normals, resolution, looked_at, errors, clipped)
+    # scenes that differ in light and material have their meshes in common
+    within = None if placed.region is not None else reach_in_frame(scene, obj).tolist()
+    key = json.dumps([obj.model_dump(mode="json", include={"surface", "rotation"}), within, resolution], sort_keys=True)
+    if key not in _kept:
+        vertices, faces, clipped = _triangles(placed, scene, resolution)
+        normals = normals_at(placed, vertices, faces)
+        looked_at = worst(vertices, faces, normals, MEASURED)
+        errors = of_triangles(placed, vertices, looked_at)
+        _kept[key] = _placed_mesh(placed, vertices, faces, normals, resolution, looked_at, errors, clipped)
+    _kept.move_to_end(key)
+    mesh = _kept[key]
+    while sum(m.nbytes for m in _kept.values()) > MOST_KEPT:
+        _kept.popitem(last=False)
+    return mesh
 
 
 def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -> Mesh:

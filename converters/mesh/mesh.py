@@ -27,6 +27,14 @@ class Mesh:
     closed: bool  # whether the surface is bounded, so that the mesh must be watertight
     clipped: str  # what was cut off or may have been, in one sentence; empty for a surface that is proven to be bounded
 
+    def __post_init__(self):
+        for array in (self.vertices, self.faces, self.normals):  # several scenes may share them
+            array.flags.writeable = False
+
+    @property
+    def nbytes(self) -> int:
+        return self.vertices.nbytes + self.faces.nbytes + self.normals.nbytes
+
     @property
     def triangles(self) -> int:
         return len(self.faces)

@@ -128,14 +128,14 @@ def test_random_scenes_are_judged_as_they_are_here(processes):
 
 
 def test_a_comparison_is_the_one_that_is_made_here(processes, tmp_path):
-    asked = ["compare", "figure-05-sphere", "--renderers", "paper,embree", "--largest", "40", "--no-studies"]
+    asked = ["compare", "figure-05-sphere", "--renderers", "paper", "--largest", "40", "--no-studies"]
     documents, pictures = [], []
     for name, where in (("here", []), ("there", ["--cluster", processes.address])):
         assert main([*asked, "-o", str(tmp_path / name), *where]) == 0
         documents.append(timeless(json.loads((tmp_path / name / "results.json").read_text())))
         pictures.append({f"{path.stem} {plane}": array.tobytes() for path in (tmp_path / name / "runs").glob("*.npz")
                          for plane, array in load(path).items() if plane != "metadata"})  # which tells the time
-    assert documents[0] == documents[1] and pictures[0] == pictures[1] and len(pictures[0]) >= 3 * 5
+    assert documents[0] == documents[1] and pictures[0] == pictures[1] and len(pictures[0]) >= 2 * 5
 
 
 def timeless(value):

@@ -3,6 +3,16 @@ import pytest
 from raytruth.reference_tracer.scene.model import Camera, Light, Object, Scene
 
 
+@pytest.fixture(autouse=True)
+def no_mesh_of_another_test():
+    """A test that changes how surfaces are evaluated must not be given a mesh that was made before."""
+    from raytruth.converters.mesh import convert
+
+    convert._kept.clear()
+    yield
+    convert._kept.clear()
+
+
 @pytest.fixture
 def scene_of():
     """A scene of the given surfaces or objects, seen by a small camera in the light of one lamp."""

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from raytruth.converters.mesh import check
+from raytruth.converters.mesh import check, convert
 from raytruth.converters.mesh.marching import BRICK, Grid
 from raytruth.converters.mesh.placed import Placed
-from raytruth.reference_tracer.scene.model import Object, Rotation
-from raytruth.reference_tracer.surfaces import Ellipsoid, Expression, Heart, Sphere, Torus
+from raytruth.reference_tracer.scene.model import Camera, Material, Object, Rotation, Scene, Tracing
+from raytruth.reference_tracer.surfaces import Ellipsoid, Expression, Heart, Plane, Sphere, Torus
 from raytruth.reference_tracer.surfaces.expression import Bounds
 
 CUBE = Bounds(low=(-1.0, -1.0, -1.0), high=(1.0, 1.0, 1.0))
@@ -140,3 +140,28 @@ def test_wrong_meshes_are_found(mesh_of):
     assert check(replace(mesh, normals=broken)).faults(mesh) == ["has vertices or normals that are not finite"]
     placed = Placed(Object(surface=SPHERE))
     assert placed.distance(placed.to_own_frame(mesh.vertices) * 1.001).max() == pytest.approx(1.25e-3, rel=2e-3)
+
+
+def test_scenes_that_differ_in_material_share_a_mesh(monkeypatch):
+    ball = Object(surface=SPHERE)
+    scene = Scene(camera=Camera(), objects=(ball,), lights=())
+    made = convert.mesh_object(ball, scene, 16)
+    glass = Object(surface=SPHERE, material=Material(transparency=1.0), name="glass", shadow=False)
+    assert convert.mesh_object(glass, Scene(camera=Camera(fov=30), objects=(glass, ball), lights=()), 16) is made
+    others = [Object(surface=SPHERE.model_copy(update={"r": 1.26})), Object(surface=SPHERE, rotation=Rotation(axis=(1, 0, 0), degrees=1)),
+              Object(surface=SPHERE.model_copy(update={"center": (0.0, 0.0, 3.0)}))]
+    assert all(convert.mesh_object(other, scene, 16) is not made for other in others)
+    assert convert.mesh_object(ball, scene, 17) is not made
+    with pytest.raises(ValueError):
+        made.vertices[0] = 0
+    floor = Object(surface=Plane(a=0, b=1, c=0))  # how much of it rays can reach hangs on the scene
+    near, far = (Scene(camera=Camera(), objects=(floor,), lights=(), tracing=Tracing(max_distance=d)) for d in (5, 50))
+    assert np.ptp(convert.mesh_object(floor, far, 16).vertices) > np.ptp(convert.mesh_object(floor, near, 16).vertices)
+
+
+def test_no_more_than_some_memory_is_kept(monkeypatch):
+    ball, scene = Object(surface=SPHERE), Scene(camera=Camera(), objects=(Object(surface=SPHERE),), lights=())
+    first = convert.mesh_object(ball, scene, 20)
+    monkeypatch.setattr(convert, "MOST_KEPT", first.nbytes + 1)
+    second = convert.mesh_object(ball, scene, 19)
+    assert convert.mesh_object(ball, scene, 19) is second and convert.mesh_object(ball, scene, 20) is not first
