@@ -14,7 +14,7 @@ from ..verdicts.judge import judge, literal
 from ..verdicts.majority import Odd, odd_ones, stages_of
 from ..verdicts.pairs import Measurements
 from ..verdicts.pairs import Pair as Pictures
-from ..verdicts.tolerances import between
+from ..verdicts.tolerances import between, unproven
 from .records import Absent, Dissent, Matrix, Member, Pair, Place, Tightness
 
 WORDS = {"missing": "is not installed", "refused": "cannot express the scene", "crashed": "crashed",
@@ -68,7 +68,8 @@ def _pair(pictures: Pictures, written: Scene, measurements: Measurements, natura
 
 
 def dissent(scene: Scene, runs: Sequence[Run], found: Sequence[Pair]) -> list[Dissent]:
-    """Who the majority on `scene` contradicts, of all that have a vote; then who differs as its nature is."""
+    """Who the majority on `scene` contradicts, of all that have a vote; then who differs as its nature is, or as the scene that
+    it was given may."""
     told = []
     voters = {run.renderer: stages_of(run, renderers.find(run.renderer).module) for run in runs if run.state == "ok"}
     for pair in (broken := [p for p in found if not p.agrees and p.expected]):
@@ -78,6 +79,13 @@ def dissent(scene: Scene, runs: Sequence[Run], found: Sequence[Pair]) -> list[Di
             told.append(Dissent(scene=scene.name, renderers=[natural], against=others, expected=True, sentence=(
                 f"{natural} disagrees with {_listed(others)}; between {pair.first} and {pair.second} {pair.broken}; its "
                 "oracle shows the same: its nature, not a fault; the causes stand with the comparison")))
+    for run in runs:  # who may have been given another scene
+        mine = [p for p in found if not p.agrees and not p.expected and run.renderer in (p.first, p.second)]
+        if mine and (why := unproven(run)) and voters.pop(run.renderer, None) is not None:
+            others = [p.second if p.first == run.renderer else p.first for p in mine]
+            told.append(Dissent(scene=scene.name, renderers=[run.renderer], against=others, expected=True, sentence=(
+                f"{run.renderer} disagrees with {_listed(others)}; between {mine[0].first} and {mine[0].second} "
+                f"{mine[0].broken}; it has no vote: {why}")))
     counted = {frozenset((p.first, p.second)): p for p in found if not p.agrees and {p.first, p.second} <= voters.keys()}
     if odd := odd_ones(voters, map(tuple, counted)):
         example = max((p for pair, p in counted.items() if pair & set(odd.suspects)), key=lambda p: p.color_p99 or 0)

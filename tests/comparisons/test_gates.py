@@ -10,7 +10,7 @@ from raytruth.comparisons.verdicts import metrics, tolerances
 from raytruth.comparisons.verdicts.conditioning import Limits, apart
 from raytruth.comparisons.verdicts.judge import judge
 from raytruth.comparisons.verdicts.metrics import GRAZING
-from raytruth.comparisons.verdicts.tolerances import MESH, NATIVE, unmeasured
+from raytruth.comparisons.verdicts.tolerances import MESH, NATIVE, unmeasured, unproven
 from raytruth.reference_tracer.tracer.render import UNDECIDED
 
 SIDE = 64
@@ -197,3 +197,8 @@ def test_every_limit_says_where_it_comes_from():
 def test_a_mesh_of_unknown_error_proves_nothing(facts, proves):
     run = Run(key="", scene="ball", renderer="embree", title="Embree", state="ok", facts=facts, command="")
     assert (unmeasured(run) == "") == proves
+
+
+def test_a_scene_that_may_be_another_one_is_told():
+    run = Run(key="", scene="ball", renderer="povray", title="POV-Ray", state="ok", facts={"not proven": "a ball may hide a light"}, command="")
+    assert "a ball may hide a light" in unproven(run) and unproven(run.model_copy(update={"facts": {"not proven": ""}})) == ""

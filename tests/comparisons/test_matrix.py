@@ -6,7 +6,8 @@ import pytest
 from workers import MISBEHAVING
 
 from raytruth.comparisons import renderers, suite
-from raytruth.comparisons.agreement import records, tightness
+from raytruth.comparisons.agreement import matrix, records, tightness
+from raytruth.comparisons.agreement.records import Pair
 from raytruth.comparisons.execution import pool
 from raytruth.comparisons.execution.pool import Silent
 from raytruth.comparisons.results import Run
@@ -81,6 +82,32 @@ def test_pairs_are_held_to_the_sum_of_their_tolerances():
     # another mesh is not the same mesh
     for other in (run("embree", 100, 128), run("embree", 90), run("mitsuba-native", 100, native_shapes=1)):
         assert between(mesh, other).depth_p99 == 2 * MESH.depth_p99
+
+
+def pair(first, second, agrees):
+    return Pair(scene="ball", first=first, second=second, agrees=agrees, tolerance="any", broken="" if agrees else "20 pixels differ",
+                color_p99=0.0, color_max=0.0, inner_max=0.0, failing=0, mismatches=0, depth_p99=0.0)
+
+
+@pytest.mark.parametrize("facts, named", [({"not proven": "a ball may hide a light"}, False), ({"not proven": ""}, True)])
+def test_who_may_have_been_given_another_scene_is_no_odd_one_and_has_no_vote(facts, named):
+    names = ("exact", "mitsuba-mesh", "povray")
+    runs = [run(name, **(facts if name == "povray" else {})) for name in names]
+    found = [pair("exact", "mitsuba-mesh", True), pair("exact", "povray", False), pair("mitsuba-mesh", "povray", False)]
+    told, = matrix.dissent(SCENE, runs, found)
+    assert told.renderers == ["povray"] and told.expected != named
+    assert ("a ball may hide a light" in told.sentence) != named
+
+
+def test_what_differs_on_another_scene_tells_nothing(tmp_path, monkeypatch):
+    """A renderer that shows something else, and says that its scene may be another one."""
+    monkeypatch.setattr(suite, "unproven", lambda run: "its scene may be another" if run.renderer == "dim" else "")
+    monkeypatch.setattr(matrix, "unproven", suite.unproven)
+    monkeypatch.setitem(renderers.RENDERERS, "dim", renderers.Renderer("dim", "dim", "misbehaving", {"way": "dim"}))
+    monkeypatch.setattr(pool, "COMMAND", MISBEHAVING)
+    found = suite.compare([SCENE], suite.Options(tmp_path, ("embree", "dim"), with_studies=False))
+    verdicts = {c.id.rpartition("--")[2]: c for c in found.comparisons}
+    assert verdicts["dim"].verdict == "not compared" and "its scene may be another" in verdicts["dim"].reason
 
 
 class Numbers:
