@@ -11,8 +11,8 @@ NAME = sys.argv[1]
 DECLARES = {"protocol": 1, "name": "hostile", "levels": ["algorithm"], "precision": 64}
 
 
-def say(head: dict, body: bytes = b"") -> None:
-    sys.stdout.buffer.write(json.dumps(head).encode() + b"\n" + body)
+def say(head: dict, body: bytes = b"", times: int = 1) -> None:
+    sys.stdout.buffer.write((json.dumps(head).encode() + b"\n" + body) * times)
     sys.stdout.buffer.flush()
 
 
@@ -30,12 +30,12 @@ def shape_of(lines: list[str]) -> list[int]:
     return [rays] if rays else [height, width]
 
 
-def answer(head: dict, lines: list[str], value: float = 0.5, **changes) -> None:
+def answer(head: dict, lines: list[str], value: float = 0.5, times: int = 1, **changes) -> None:
     shape = shape_of(lines)
     count = 3 * shape[0] * (shape[1] if len(shape) > 1 else 1)
     body = struct.pack(f"<{count}d", *[value] * count)
     say({"seq": head["seq"], "state": "ok", "bytes": len(body),
-         "arrays": [{"name": "color", "dtype": "float64", "shape": [*shape, 3]}], **changes}, body)
+         "arrays": [{"name": "color", "dtype": "float64", "shape": [*shape, 3]}], **changes}, body, times)
 
 
 def forever() -> None:
@@ -86,7 +86,8 @@ AFTER = {  # a request
     "wrong seq": lambda head, lines: answer(head, lines, seq=head["seq"] + 1),
     "no colour": lambda head, lines: say({"seq": head["seq"], "state": "ok", "bytes": 0, "arrays": []}),
     "short": lambda head, lines: (say({"seq": head["seq"], "state": "ok", "bytes": 60, "arrays": []}, b"x"), sys.exit(0)),
-    "twice": lambda head, lines: (answer(head, lines), answer(head, lines)),
+    # in one piece: what comes after an answer has been read is found with the next request
+    "twice": lambda head, lines: answer(head, lines, times=2),
     "dies": lambda head, lines: sys.exit(137), "forks": lambda head, lines: fork_on(),
     "forks and detaches": lambda head, lines: fork_on(True), "fills the disk": lambda head, lines: fill(),
     "swells": lambda head, lines: swell(), "refuses": lambda head, lines: say(
