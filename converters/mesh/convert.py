@@ -38,8 +38,7 @@ def mesh_object(obj: Object, scene: Scene, resolution: int = 256) -> Mesh:
 
     Raises InputError for a resolution too coarse to hold a surface or too fine for the memory.
     """
-    if resolution < COARSEST:
-        raise InputError(f"a mesh needs a resolution of at least {COARSEST} cells; found {resolution}")
+    require_settings(resolution)
     placed = Placed(obj)
     # scenes that differ in light and material have their meshes in common
     within = None if placed.region is not None else reach_in_frame(scene, obj).tolist()
@@ -57,6 +56,16 @@ def mesh_object(obj: Object, scene: Scene, resolution: int = 256) -> Mesh:
     return mesh
 
 
+def require_settings(resolution: int = COARSEST, error: float | None = None, share: float = 1.0) -> None:
+    """Raises InputError for settings that no mesh can have, whether or not a scene comes to have one."""
+    if resolution < COARSEST:
+        raise InputError(f"a mesh needs a resolution of at least {COARSEST} cells; found {resolution}")
+    if error is not None and not (math.isfinite(error) and error > 0):
+        raise InputError(f"the geometric error of a mesh must be a positive number; found {error}")
+    if not 0 < share <= 1:
+        raise InputError(f"the share of a mesh that keeps its error must lie above 0 and not above 1; found {share}")
+
+
 def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -> Mesh:
     """`obj` as the coarsest mesh whose triangles stay within `error` of the surface (in the scene's unit of length).
 
@@ -65,10 +74,7 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
     slowly, so that later predictions take the order that the last two measurements show. Raises InputError where
     memory does not suffice, or where the error cannot be measured.
     """
-    if not (math.isfinite(error) and error > 0):
-        raise InputError(f"the geometric error of a mesh must be a positive number; found {error}")
-    if not 0 < share <= 1:
-        raise InputError(f"the share of a mesh that keeps its error must lie above 0 and not above 1; found {share}")
+    require_settings(error=error, share=share)
     placed, resolution, order = Placed(obj), COARSE, 2.0
     before = None
     for _ in range(MOST_ROUNDS):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from raytruth.converters.mesh import mesh_object, mesh_to_error
+from raytruth.converters.mesh import mesh_object, mesh_to_error, require_settings
 from raytruth.converters.mesh.placed import Placed
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.errors import InputError
@@ -60,6 +60,10 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
     """
     if shapes not in SHAPES:
         raise InputError(f"shapes must be one of {', '.join(SHAPES)}; found {shapes!r}")
+    if shapes != "sdfgrid":  # a grid says itself what it needs
+        require_settings(resolution, error, share)
+    if share != 1 and error is None:
+        raise InputError(f"share says how much of a mesh keeps its error: give the error as well; found share {share} alone")
     backend()  # a machine without LLVM is told so in one line
     start = time.perf_counter()
     made, parts = {}, []

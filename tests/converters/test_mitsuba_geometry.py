@@ -1,6 +1,7 @@
 """Converted scenes: Mitsuba's intersections against closed forms and against the exact reference."""
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -191,3 +192,13 @@ def test_a_mesh_whose_error_is_not_measurable_says_so(scene_of):
                     render_embree(scene, resolution=32)):
         assert picture.metadata["measured_mesh_error"] is None
     assert render_embree(scene_of(Sphere(r=0.5)), resolution=32).metadata["measured_mesh_error"] > 0
+
+
+@pytest.mark.parametrize("settings, message", [
+    ({"resolution": -5}, "at least 4 cells; found -5"), ({"error": -1.0}, "positive number; found -1.0"),
+    ({"error": math.nan}, "positive number; found nan"), ({"error": 1e-3, "share": 2.0}, "not above 1; found 2.0"),
+    ({"share": 0.5}, "give the error as well")])
+def test_settings_that_no_mesh_can_have_are_refused_even_where_there_is_none(scene_of, settings, message):
+    """The ball is a shape of Mitsuba's own."""
+    with pytest.raises(InputError, match=message):
+        convert(scene_of(Sphere(center=(0, 0, 3), r=1.0)), **settings)
