@@ -24,7 +24,7 @@ from .results import COMMAND, FILE, Comparison, Results, Run, SceneRecord, joine
 from .runs import Request, RunStore
 from .verdicts.judge import judge, literal
 from .verdicts.pairs import Measurements, Pair
-from .verdicts.tolerances import tolerance_of, unmeasured, unproven
+from .verdicts.tolerances import concluded, tolerance_of
 
 TRUTH = "exact"
 # on demand: mitsuba-sdfgrid and povray-isosurface take minutes for some scenes; mitsuba-refined has the surfaces from f
@@ -133,10 +133,7 @@ def _compared(written: Scene, name: str, runs: dict[str, Run], measurements: Mea
         verdict, reason, gates = literal(measured, scene.tracing.step_size)
     else:
         verdict, reason, gates = judge(measured, tolerance_of(test), tolerance_of(test, exact=True))
-        if verdict == "agrees" and (why := unmeasured(test)):
-            verdict, reason = "not compared", why
-        if verdict == "differs" and (why := unproven(test)):
-            verdict, reason = "not compared", f"{reason}, which tells nothing: {why}"
+        verdict, reason = concluded(verdict, reason, test)
     return Comparison(**about, verdict=verdict, reason=reason + told, gates=gates, metrics=measured, worst=found.worst)
 
 

@@ -19,7 +19,7 @@ from ..results import OF_OBJECTS, Gate, Run, Verdict
 from . import conditioning, metrics, oracle
 from .judge import judge, literal
 from .measure import measured
-from .tolerances import accuracy_of, between, tolerance_of, unmeasured
+from .tolerances import accuracy_of, between, concluded, tolerance_of, unmeasured
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ def compare(reference: Picture, test: Picture, results: str | Path | None = None
         held = [conditioning.limits(scene, a, kept) for a in {repr(a): a for a in accuracies if a}.values()]
         found |= conditioning.apart(first, second, sum(held[1:], held[0]),
                                     all(p.metadata.get("tells_depth", True) for p in (reference, test)))
-    verdict = judge(found, between(truth, other), between(truth, other, exact=True))
-    return Compared(*_told(verdict), found, metrics.worst_pixels(error))
+    verdict, reason, gates = judge(found, between(truth, other), between(truth, other, exact=True))
+    return Compared(*concluded(verdict, reason, truth, other), tuple(gates), found, metrics.worst_pixels(error))
 
 
 def verdict_on(scene: Scene, name: str, picture: Picture, test: Picture, kept: Store) -> tuple[Verdict, str, list[Gate]]:
@@ -76,7 +76,8 @@ def verdict_on(scene: Scene, name: str, picture: Picture, test: Picture, kept: S
     found = measured(a, b)
     if accuracy := accuracy_of(run.model_copy(update={"settings": {}})):
         found |= conditioning.apart(a, b, conditioning.limits(scene, accuracy, kept), facts.get("tells_depth", True))
-    return judge(found, tolerance_of(run), tolerance_of(run, exact=True))
+    verdict, reason, gates = judge(found, tolerance_of(run), tolerance_of(run, exact=True))
+    return *concluded(verdict, reason, run), gates
 
 
 def _run(picture: Picture, name: str | None = None) -> Run:

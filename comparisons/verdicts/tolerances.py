@@ -12,7 +12,7 @@ from typing import Literal
 
 from raytruth.reference_tracer.tracer.sensitivity import DIRECTION_UNITS, FLOOR_UNITS, ORIGIN_UNITS, PROBES, SAFETY
 
-from ..results import Run
+from ..results import Run, Verdict
 from .conditioning import Accuracy
 
 MEASURED = "raytruth compare"
@@ -40,7 +40,8 @@ class Tolerance:
 
 
 NATIVE = Tolerance("native shapes", "single precision, and ray origins offset by a unit of it", depth_p99=5e-7, color_p99=2e-6)
-# colours: midway, by ratio, between figure 17's 1.44e-3 and the 6.5e-3 that it has with meshes of half the resolution
+# colours: midway, by ratio, between the 1.44e-3 of figure 17 and the 6.5e-3 that it has with meshes of half the resolution
+# (raytruth compare --largest 320: its rows of what is tight)
 MESH = Tolerance("meshes", "surfaces replaced by triangles, error falling with the square of the resolution",
                  depth_p99=1e-4, color_p99=3e-3)
 GRID = Tolerance("grids", "f replaced by its trilinear interpolation, error falling with the square of the cells",
@@ -123,6 +124,15 @@ def unproven(run: Run) -> str:
     """Why what differs in a run's picture may not be its renderer's fault; "" where it is: its scene may be another one."""
     what = run.facts.get("not proven")
     return f"its scene is not proven to be the same: {what}" if what else ""
+
+
+def concluded(verdict: Verdict, reason: str, *runs: Run) -> tuple[Verdict, str]:
+    """What a verdict on the `runs` tells, and why: nothing, where what it would follow from is not known of one of them."""
+    if verdict == "agrees" and (why := next(filter(None, map(unmeasured, runs)), "")):
+        return "not compared", why
+    if verdict == "differs" and (why := next(filter(None, map(unproven, runs)), "")):
+        return "not compared", f"{reason}, which tells nothing: {why}"
+    return verdict, reason
 
 
 def table() -> Iterator[Limit]:

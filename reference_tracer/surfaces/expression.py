@@ -13,7 +13,7 @@ from ..numbers.jumps import both_sides
 from ..numbers.polynomial import HIGHEST_DEGREE
 from .conditioning import drowns
 from .exact_polynomial import is_definite
-from .formula import FormulaError, Node, degree, evaluator, has_jumps, parametrised, written
+from .formula import LEAST_NORMAL, FormulaError, Node, degree, evaluator, has_jumps, parametrised, written
 from .formula_functions import function_named
 from .formula_grammar import WORDS
 from .formula_parser import LONGEST_FORMULA, VOCABULARY, parse_formula
@@ -91,7 +91,9 @@ class Expression(Surface):
     @field_validator("values")
     @classmethod
     def _are_free_names(cls, values):
-        for name, _ in values:
+        for name, value in values:
+            if 0 < abs(value) < LEAST_NORMAL:
+                raise ValueError(f"{name} is a number too small for double precision; scale the formula")
             if name.lower() in ("x", "y", "z", *WORDS) or function_named(name):
                 raise ValueError(f"{name} has another meaning in formulas; give the parameter another name")
         return values

@@ -56,6 +56,7 @@ class PlaneBuffer:
                 row[where] = column.numpy()[:count]
 
     def mark_undecided(self, where: np.ndarray, seen: dict) -> None:
+        """Of the pixels `where`, those that more samples leave in doubt; whether they are hit is known from their centres."""
         if "status" in self._arrays:
             self._arrays["status"][where[seen["doubt"].numpy()[:len(where)] > DECIDED]] = UNDECIDED
 

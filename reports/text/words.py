@@ -22,8 +22,8 @@ VERDICTS = {  # worst first
     "differs": Verdict("differs", "Differs",
                        "At least one measured number exceeds its limit, and nothing known explains it."),
     "not compared": Verdict("absent", "Not compared",
-                            "There is no picture to compare: the renderer failed, is not installed, or cannot express "
-                            "the scene."),
+                            "There is nothing to judge: no picture, because the renderer failed, is not installed, or "
+                            "cannot express the scene; or one that proves nothing, for the reason beside it."),
     "expected": Verdict("expected", "Differs as expected",
                         "The pictures differ, for a reason that is known and stated, and is no fault of the renderer."),
     "agrees": Verdict("agrees", "Agrees", "Every measured number keeps its limit."),

@@ -10,7 +10,7 @@ from raytruth.comparisons.verdicts import metrics, tolerances
 from raytruth.comparisons.verdicts.conditioning import Limits, apart
 from raytruth.comparisons.verdicts.judge import judge
 from raytruth.comparisons.verdicts.metrics import GRAZING
-from raytruth.comparisons.verdicts.tolerances import MESH, NATIVE, unmeasured, unproven
+from raytruth.comparisons.verdicts.tolerances import MESH, NATIVE, concluded, unmeasured, unproven
 from raytruth.reference_tracer.tracer.render import UNDECIDED
 
 SIDE = 64
@@ -202,3 +202,14 @@ def test_a_mesh_of_unknown_error_proves_nothing(facts, proves):
 def test_a_scene_that_may_be_another_one_is_told():
     run = Run(key="", scene="ball", renderer="povray", title="POV-Ray", state="ok", facts={"not proven": "a ball may hide a light"}, command="")
     assert "a ball may hide a light" in unproven(run) and unproven(run.model_copy(update={"facts": {"not proven": ""}})) == ""
+
+
+@pytest.mark.parametrize("verdict, facts, told", [
+    ("agrees", {}, "agrees"), ("differs", {}, "differs"), ("expected", {}, "expected"),
+    ("agrees", {"measured_mesh_error": None}, "not compared"), ("differs", {"measured_mesh_error": None}, "differs"),
+    ("differs", {"not proven": "a ball may hide a light"}, "not compared"), ("agrees", {"not proven": "a ball may hide a light"}, "agrees")])
+def test_a_verdict_tells_no_more_than_is_known_of_its_runs(verdict, facts, told):
+    run = Run(key="", scene="ball", renderer="any", title="Any", state="ok", facts=facts, command="")
+    for runs in ((run,), (run.model_copy(update={"facts": {}}), run)):
+        found, reason = concluded(verdict, "20 pixels differ", *runs)
+        assert found == told and ("a ball may hide a light" in reason) == (verdict == "differs" and "not proven" in facts)

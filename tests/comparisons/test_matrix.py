@@ -12,6 +12,7 @@ from raytruth.comparisons.execution import pool
 from raytruth.comparisons.execution.pool import Silent
 from raytruth.comparisons.results import Run
 from raytruth.comparisons.runs import Request
+from raytruth.comparisons.verdicts import tolerances
 from raytruth.comparisons.verdicts.pairs import Measured
 from raytruth.comparisons.verdicts.tolerances import DOUBLE, MESH, NATIVE, TRACERS, Tolerance, between
 from raytruth.reference_tracer.errors import InputError
@@ -101,8 +102,8 @@ def test_who_may_have_been_given_another_scene_is_no_odd_one_and_has_no_vote(fac
 
 def test_what_differs_on_another_scene_tells_nothing(tmp_path, monkeypatch):
     """A renderer that shows something else, and says that its scene may be another one."""
-    monkeypatch.setattr(suite, "unproven", lambda run: "its scene may be another" if run.renderer == "dim" else "")
-    monkeypatch.setattr(matrix, "unproven", suite.unproven)
+    for module in (tolerances, matrix):
+        monkeypatch.setattr(module, "unproven", lambda run: "its scene may be another" if run.renderer == "dim" else "")
     monkeypatch.setitem(renderers.RENDERERS, "dim", renderers.Renderer("dim", "dim", "misbehaving", {"way": "dim"}))
     monkeypatch.setattr(pool, "COMMAND", MISBEHAVING)
     found = suite.compare([SCENE], suite.Options(tmp_path, ("embree", "dim"), with_studies=False))

@@ -88,6 +88,7 @@ AFTER = {  # a request
     "short": lambda head, lines: (say({"seq": head["seq"], "state": "ok", "bytes": 60, "arrays": []}, b"x"), sys.exit(0)),
     # in one piece: what comes after an answer has been read is found with the next request
     "twice": lambda head, lines: answer(head, lines, times=2),
+    "late": lambda head, lines: (answer(head, lines), time.sleep(0.3), answer(head, lines)),
     "dies": lambda head, lines: sys.exit(137), "forks": lambda head, lines: fork_on(),
     "forks and detaches": lambda head, lines: fork_on(True), "fills the disk": lambda head, lines: fill(),
     "swells": lambda head, lines: swell(), "refuses": lambda head, lines: say(

@@ -88,6 +88,14 @@ def test_a_port_that_answers_wrongly(name, verdict, said, truths, nothing_left):
     assert result.message.isprintable() and time.monotonic() - start < seconds + SLACK
 
 
+def test_an_answer_too_many_is_not_taken_for_the_next_one(truths, nothing_left):
+    """It comes when the first has been read: with the second case at the latest it is found."""
+    cases = chosen(["algorithm:surfaces/plane", "algorithm:surfaces/sphere"])[:2]
+    with port("late") as process:
+        _, second = check.check(process, process.greet(PATIENT), cases, truths, PATIENT)
+    assert second.verdict == "malformed", second
+
+
 def test_a_port_that_always_hangs_is_given_up(truths, nothing_left):
     cases = chosen(["algorithm:surfaces"])
     with port("hang") as process:

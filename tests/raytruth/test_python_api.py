@@ -127,6 +127,10 @@ def test_compare_notices_what_is_wrong(scene, picture, tmp_path):
     moved = scene.objects[0].model_copy(update={"surface": rt.Sphere(center=(-0.5, 0.0, 4.001), r=1.0)})
     other = rt.render(scene.model_copy(update={"objects": (moved, scene.objects[1])}))
     assert rt.compare(picture, altered(other, scene=scene), tmp_path).verdict == "differs"
+    elsewhere = altered(picture, color=brighter)  # its scene may be another one: what differs tells nothing
+    elsewhere.metadata = {**picture.metadata, "not proven": "a ball may hide a light"}
+    found = rt.compare(picture, elsewhere, tmp_path)
+    assert found.verdict == "not compared" and "a ball may hide a light" in found.reason
 
 
 def test_compare_holds_the_literal_method_against_its_oracle(scene, picture, tmp_path):

@@ -63,6 +63,12 @@ def test_numbers_that_doubles_do_not_hold_are_refused(formula, word):
     assert parse_formula("x + 0e400 + 0.0 + 0 + 0x0")
 
 
+def test_parameters_that_doubles_do_not_hold_are_refused():
+    with pytest.raises(ValueError, match="k is a number too small for double precision"):
+        Expression(formula="k*(4 - z)", parameters={"k": -1e-310})
+    assert Expression(formula="k*(4 - z) + n", parameters={"k": 1e-300, "n": 0.0})
+
+
 @pytest.mark.parametrize("formula", ["x/1e-300", "x/y", "log(x)", "0**x + y", "1/(x - y)", "x/(1 + x - x)", "2**x",
                                      "x + 1/3*0"])
 def test_what_has_a_value_somewhere_is_no_error(formula):
