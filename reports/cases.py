@@ -38,6 +38,10 @@ class Case:
         return self.test.renderer == "paper"
 
     @property
+    def has_pictures(self) -> bool:
+        return self.reference.state == self.test.state == "ok"
+
+    @property
     def histories(self) -> list[WorstPixel]:
         return self.comparison.histories
 

@@ -42,7 +42,7 @@ class RendererRow:
 def pages(report: Report) -> list[Page]:
     rows, counts = renderer_rows(report.cases), verdict_counts(report.cases)
     of = {verdict: [case for case in report.cases if case.comparison.verdict == verdict] for verdict in VERDICTS}
-    found = report.documents.get(matrix.FILE)
+    pairs = report.documents.get(matrix.FILE)
     return [Page("index.html", "index.html.j2", {
         "counts": counts,
         "headline": headline(counts),
@@ -53,8 +53,10 @@ def pages(report: Report) -> list[Page]:
         "renderers": rows,
         "fastest": sorted((row for row in rows if row.slower is not None), key=lambda row: row.slower),
         "speed": speed_chart(report.cases),
-        "groups": [(VERDICTS[v], of[v]) for v in ("differs", "expected") if of[v]],
-        "heats": matrix.both(found) if found else None,
+        "groups": [(VERDICTS[v], found) for v, found in {
+            "differs": of["differs"], "not compared": [case for case in of["not compared"] if case.has_pictures],
+            "expected": of["expected"]}.items() if found],  # who has no picture is among the absent
+        "heats": matrix.both(pairs) if pairs else None,
         "failures": report.documents.get(FAILURES),
         "studies": [(series, study(series)) for series in report.results.series],
         "scenes": [(scene, report.pictures[scene.name].thumbnail, report.of_scene(scene)) for scene in report.results.scenes],

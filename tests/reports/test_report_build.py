@@ -11,6 +11,7 @@ import pytest
 from report_support import ERROR_AT, HOSTILE, MISMATCH_AT, NAN_AT, UNDECIDED_AT
 
 from raytruth import reports
+from raytruth.comparisons import results as documents
 from raytruth.reference_tracer.errors import InputError
 from raytruth.reports.figures import scale
 from raytruth.reports.text.words import VERDICTS
@@ -139,6 +140,16 @@ def test_the_headline_counts_everything(html):
     assert "Of 5 comparisons over 2 scenes, 2 agree, 1 differs, 1 differs as expected, and 1 could not be judged." in text
     assert "Renderer crash crashed on" in text and "signal 11" in text
     assert "no hearts here" in text.lower() and f"raytruth render {HOSTILE}" in text
+
+
+def test_a_picture_that_proves_nothing_is_listed_with_the_reason(folder, tmp_path):
+    results = documents.read(folder)
+    told = [c.model_copy(update={"verdict": "not compared", "reason": "20 pixels differ, which tells nothing"})
+            if c.id == "faulty" else c for c in results.comparisons]
+    documents.write(results.model_copy(update={"comparisons": told}), folder)
+    text = re.sub(r"\s+", " ", Page(reports.build(folder, tmp_path / "html")).text)
+    assert "and 2 could not be judged." in text and "20 pixels differ, which tells nothing." in text
+    assert "Renderer crash crashed on" in text  # without a picture: among those that are not there, and not listed twice
 
 
 def test_verdicts_carry_a_word_and_a_shape(html):
