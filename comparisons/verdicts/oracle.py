@@ -25,6 +25,7 @@ from .tolerances import REPEATED
 FEWEST = 2000  # pixels that are asked for, or all there are; half of them where the method is likely to err
 MOST = 4000  # of the pixels that differ from exact intersections
 TOGETHER = 1 << 20  # samples of camera rays that are held at a time
+IN_CACHE = 1 << 14  # values of f that are computed at a time: their intermediate arrays stay near the processor
 EVALUATIONS = 1.5e8  # of f by the oracle: no more pixels are begun then, where paths are many
 
 
@@ -39,12 +40,13 @@ class AllSteps(LiteralSearch):
     def _signs_at(self, o, d, t):
         """f < 0 of every object at every sample, (n, steps, objects); t is (n, steps)."""
         self.evaluations += t.size * len(self.frames)
-        inside = np.empty((*t.shape, len(self.frames)), bool)
+        inside, rows = np.empty((*t.shape, len(self.frames)), bool), max(1, IN_CACHE // t.shape[1])
         for k, (rotation, center, surface) in enumerate(self.frames):
             origin, direction = ((o - center) @ rotation).T, (d @ rotation).T
-            with np.errstate(all="ignore"):
-                f = surface(*(p[:, None] + t * v[:, None] for p, v in zip(origin, direction)))
-            inside[..., k] = (f < 0) & (f > -np.inf)  # what is not finite counts as outside (M7)
+            for some in (slice(first, first + rows) for first in range(0, len(t), rows)):
+                with np.errstate(all="ignore"):
+                    f = surface(*(p[some, None] + t[some] * v[some, None] for p, v in zip(origin, direction)))
+                inside[some, :, k] = (f < 0) & (f > -np.inf)  # what is not finite counts as outside (M7)
         return inside
 
     def _samples(self, end):

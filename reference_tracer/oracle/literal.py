@@ -58,21 +58,21 @@ def point_color(scene: Scene, search: Search, o, d, inside, limit, depth: int) -
     usable = np.isfinite(d).all(axis=-1)
     t, index, used = np.full(len(d), np.inf), np.full(len(d), -1), np.full(len(d), np.inf)
     t[usable], index[usable], used[usable] = search.first_hit(o[usable], d[usable], inside[usable], limit[usable])
-    for k, obj in enumerate(scene.objects):
-        here = np.flatnonzero(index == k)
-        if len(here):
-            color[here] = _color_on(scene, search, obj, k, o[here], d[here], inside[here], t[here],
-                                    (limit - used)[here], depth)
+    met = np.flatnonzero(index >= 0)
+    if len(met):
+        color[met] = _color_on(scene, search, index[met], o[met], d[met], inside[met], t[met], (limit - used)[met], depth)
     return color
 
 
-def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, left, depth):
-    """Section 4.3 where rays meet object `k`."""
-    point = o + t[:, None] * d
-    normal = _normal(obj, point)
+def _color_on(scene, search, index, o, d, inside, t, left, depth):
+    """Section 4.3 where rays meet the objects `index`."""
+    point, normal = o + t[:, None] * d, np.empty_like(d)
+    for k in np.unique(index):
+        normal[index == k] = _normal(scene.objects[k], point[index == k])
     normal = np.where(_dot(d, normal) > 0, -normal, normal)
     cos1 = np.minimum(-_dot(d, normal), 1)
-    m = obj.material
+    of_material = lambda name: np.array([getattr(obj.material, name) for obj in scene.objects])[index].reshape(len(t), -1)
+    R, T = of_material("reflection"), of_material("transparency")
 
     limit = np.full(len(t), scene.tracing.max_distance)  # M5
     if scene.tracing.range == "path":  # decision F4
@@ -89,34 +89,32 @@ def _color_on(scene, search, obj: Object, k: int, o, d, inside, t, left, depth):
             illumination[lit] = 1 - (1 - illumination[lit]) * (1 - more)
         else:
             illumination[lit] += more
-    visible = np.array(m.color) * illumination
+    visible = of_material("color") * illumination
 
-    follow = lambda which, direction, sides: point_color(
-        scene, search, point[which], _normalize(direction[which]), sides[which], limit[which], depth + 1)
-    everywhere = np.ones(len(d), bool)
+    def follow(which, direction, sides):
+        """What comes back along `direction`, black for the rays that are not to be followed."""
+        brought, which = np.zeros_like(visible), np.flatnonzero(which)
+        if len(which):
+            brought[which] = point_color(scene, search, point[which], _normalize(direction[which]), sides[which],
+                                         limit[which], depth + 1)
+        return brought
 
-    reflection_dir = d + 2 * normal * cos1  # section 4.3.2
-    reflected, refracted = np.zeros_like(visible), np.zeros_like(visible)
-    if m.reflection > 0:
-        reflected = follow(everywhere, reflection_dir, inside)
+    leaving, glass = inside[np.arange(len(t)), index][:, None], T > 0
+    n = of_material("refractive_index")
+    n1, n2 = np.where(leaving, n, 1.0), np.where(leaving, 1.0, n)
+    sin1 = np.sqrt(np.maximum(1 - cos1**2, 0))
+    total = glass & (sin1 > n2 / n1)  # section 4.3.3: such a ray brings what its reflection brings
+    reflected = follow((R > 0) | total, d + 2 * normal * cos1, inside)  # section 4.3.2
+    with np.errstate(invalid="ignore"):
+        sin2 = sin1 * (n2 / n1 if scene.tracing.refraction == "as_printed" else n1 / n2)
+        cos2 = np.sqrt(1 - sin2**2)
+        refraction_dir = (d + normal * cos1) * (n1 / n2) - normal * cos2
+    through = inside.copy()
+    through[np.arange(len(t)), index] ^= True
+    refracted = np.where(total, reflected, follow(glass & ~total, refraction_dir, through))
 
-    if m.transparency > 0:  # section 4.3.3
-        leaving = inside[:, [k]]
-        n1, n2 = np.where(leaving, m.refractive_index, 1.0), np.where(leaving, 1.0, m.refractive_index)
-        sin1 = np.sqrt(np.maximum(1 - cos1**2, 0))
-        total = (sin1 > n2 / n1)[:, 0]
-        if total.any():
-            refracted[total] = reflected[total] if m.reflection > 0 else follow(total, reflection_dir, inside)
-        with np.errstate(invalid="ignore"):
-            sin2 = sin1 * (n2 / n1 if scene.tracing.refraction == "as_printed" else n1 / n2)
-            cos2 = np.sqrt(1 - sin2**2)
-            refraction_dir = (d + normal * cos1) * (n1 / n2) - normal * cos2
-        through = inside.copy()
-        through[:, k] ^= True
-        refracted[~total] = follow(~total, refraction_dir, through)
-
-    R, T = m.reflection, m.transparency  # section 4.3.4
-    return (visible * (1 - R) + reflected * R) * (1 - T) + refracted * T
+    # section 4.3.4
+    return (visible * (1 - R) + np.where(R > 0, reflected * R, 0)) * (1 - T) + np.where(glass, refracted * T, 0)
 
 
 class LiteralSearch:
