@@ -26,6 +26,7 @@ FEWEST = 2000  # pixels that are asked for, or all there are; half of them where
 MOST = 4000  # of the pixels that differ from exact intersections
 TOGETHER = 1 << 20  # samples of camera rays that are held at a time
 IN_CACHE = 1 << 14  # values of f that are computed at a time: their intermediate arrays stay near the processor
+ALIKE = 128  # shadow rays that share an array
 EVALUATIONS = 1.5e8  # of f by the oracle: no more pixels are begun then, where paths are many
 
 
@@ -37,11 +38,11 @@ class AllSteps(LiteralSearch):
 
     evaluations = 0
 
-    def _signs_at(self, o, d, t):
-        """f < 0 of every object at every sample, (n, steps, objects); t is (n, steps)."""
-        self.evaluations += t.size * len(self.frames)
-        inside, rows = np.empty((*t.shape, len(self.frames)), bool), max(1, IN_CACHE // t.shape[1])
-        for k, (rotation, center, surface) in enumerate(self.frames):
+    def _signs_at(self, o, d, t, objects):
+        """f < 0 of `objects` at every sample, (n, steps, objects); t is (n, steps)."""
+        self.evaluations += t.size * len(objects)
+        inside, rows = np.empty((*t.shape, len(objects)), bool), max(1, IN_CACHE // t.shape[1])
+        for k, (rotation, center, surface) in enumerate(self.frames[k] for k in objects):
             origin, direction = ((o - center) @ rotation).T, (d @ rotation).T
             for some in (slice(first, first + rows) for first in range(0, len(t), rows)):
                 with np.errstate(all="ignore"):
@@ -59,7 +60,7 @@ class AllSteps(LiteralSearch):
         if not len(d):
             return t_hit, index, np.zeros(0)
         t = self._samples(limit)
-        changed = (self._signs_at(o, d, t) != inside[:, None]) & (limit > 0)[:, None, None]
+        changed = (self._signs_at(o, d, t, range(len(self.frames))) != inside[:, None]) & (limit > 0)[:, None, None]
         ray = np.flatnonzero(changed.any(axis=(1, 2)))
         step = np.argmax(changed.any(axis=2), axis=1)[ray]
         middle = 0.5 * (step * self.tracing.step_size + t[ray, step])
@@ -73,11 +74,14 @@ class AllSteps(LiteralSearch):
         return t_hit, index, used
 
     def transmittance(self, o, d, inside, distance):
-        if not len(d):
-            return np.ones(0)
-        signs = np.concatenate([inside[:, None], self._signs_at(o, d, self._samples(distance))], axis=1)
-        crossings = np.sum(signs[:, 1:] != signs[:, :-1], axis=1)
-        return np.prod(transmitted(self.scene) ** crossings, axis=-1)
+        intensity, dims = np.ones(len(d)), transmitted(self.scene)
+        objects = np.flatnonzero(dims != 1)
+        # rays of like length share an array: a short one takes no more samples than the longest of its share
+        for some in np.array_split(np.argsort(distance), max(1, len(d) // ALIKE)) if len(objects) and len(d) else ():
+            signs = self._signs_at(o[some], d[some], self._samples(distance[some]), objects)
+            signs = np.concatenate([inside[some][:, None, objects], signs], axis=1)
+            intensity[some] = np.prod(dims[objects] ** np.sum(signs[:, 1:] != signs[:, :-1], axis=1), axis=-1)
+        return intensity
 
 
 def held(scene: Scene, truth: Planes, test: Planes, kept: Store) -> dict[str, float | int | None]:
