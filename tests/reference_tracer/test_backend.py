@@ -40,7 +40,7 @@ def test_the_newest_usable_llvm_of_the_environment_is_found(tmp_path, monkeypatc
 def chosen_in_a_fresh_process(chosen: str | None) -> list[str]:
     """The variable after importing the package alone, and whether that has imported Dr.Jit."""
     code = f"import os, sys, reference_tracer; print(os.environ.get({llvm.VARIABLE!r}), 'drjit' in sys.modules)"
-    environment = {key: value for key, value in os.environ.items() if key != llvm.VARIABLE}
+    environment = {key: value for key, value in os.environ.items() if key not in (llvm.VARIABLE, llvm.NARROW)}
     environment |= {llvm.VARIABLE: chosen} if chosen else {}
     return subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True,
                           check=True).stdout.split()
@@ -80,7 +80,7 @@ except InputError as error:
     ("import drjit", CONVERTS), ("import mitsuba; mitsuba.set_variant('scalar_rgb')", CONVERTS)])
 def test_an_llvm_that_somebody_else_has_loaded_is_used_or_refused_in_one_sentence(tmp_path, first, then):
     """Old ones abort the process on some kernels. From another folder, as a user's program would."""
-    environment = {key: value for key, value in os.environ.items() if key != llvm.VARIABLE}
+    environment = {key: value for key, value in os.environ.items() if key not in (llvm.VARIABLE, llvm.NARROW)}
     root = os.path.dirname(os.path.dirname(llvm.__file__))
     program = f"import sys; sys.path.insert(0, {root!r})\n{first}\nimport drjit; print(drjit.detail.llvm_version()[0])\n{then}"
     process = subprocess.run([sys.executable, "-c", program], env=environment, cwd=tmp_path, capture_output=True, text=True)

@@ -1,6 +1,7 @@
-"""A picture repeats to the last bit: in another process, and with another number of threads."""
+"""A picture repeats to the last bit: in another process, with another number of threads, and by wider kernels."""
 
 import json
+import os
 import subprocess
 import sys
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from tracing_support import make_scene, thing
 
+from raytruth.reference_tracer import llvm
 from raytruth.reference_tracer.tracer import wavefront
 from raytruth.reference_tracer.tracer.render import UNDECIDED, Watch, render
 from raytruth.reference_tracer.tracer.shading import interact
@@ -24,10 +26,23 @@ print(json.dumps({plane: hashlib.sha256(getattr(picture, plane).tobytes()).hexdi
 """
 
 
-def outside(*case) -> dict[str, str]:
+LANES = """
+from raytruth.reference_tracer.backend import backend
+import drjit as dr
+with dr.scoped_set_flag(dr.JitFlag.KernelHistory):
+    dr.eval(dr.sqrt(dr.arange(backend().Float, 100) + backend().constant(1.5)))
+print(max(kernel["ir"].getvalue().count("<4 x double>") for kernel in dr.kernel_history() if "ir" in kernel))
+"""
+
+
+def outside(*case, narrow: str = "") -> dict[str, str]:
     """A hash of every plane, computed by another process."""
-    answer = subprocess.run([sys.executable, "-c", OUTSIDE, json.dumps(case)], capture_output=True, text=True, check=True)
-    return json.loads(answer.stdout)
+    return json.loads(_run(OUTSIDE, json.dumps(case), narrow=narrow))
+
+
+def _run(program: str, *arguments: str, narrow: str) -> str:
+    return subprocess.run([sys.executable, "-c", program, *arguments], env={**os.environ, llvm.NARROW: narrow},
+                          capture_output=True, text=True, check=True).stdout
 
 
 @pytest.mark.parametrize("method, precision, adaptive", [("exact", 64, 0.0), ("paper", 64, 0.0), ("exact", 32, 0.0),
@@ -35,7 +50,12 @@ def outside(*case) -> dict[str, str]:
 def test_two_processes_with_one_and_two_threads_render_the_same_bits(method, precision, adaptive):
     """Recursion (mirrors and glass) and 3 x 3 samples: many rays of one pixel are added at once."""
     case = "figure-17-scene1", method, precision
-    assert outside(*case, 1, adaptive) == outside(*case, 2, adaptive) == outside(*case, 2, adaptive)
+    assert outside(*case, 1, adaptive) == outside(*case, 2, adaptive) == outside(
+        *case, 2, adaptive, narrow="1" if precision == 64 else "")  # narrow kernels divide more exactly in fp32
+
+
+def test_narrow_kernels_are_narrow():
+    assert int(_run(LANES, narrow="1")) > 0
 
 
 def _mirrors(**rest):
