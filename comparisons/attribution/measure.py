@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from raytruth.reference_tracer import llvm
 from raytruth.reference_tracer.scene import library
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
@@ -217,6 +218,7 @@ def make_all(tasks: Sequence[Task], folder: Path, pool: Pool, limit: float = SEC
 
 def answer(request: dict) -> dict:
     """In a worker: the attribution of two renderers on a scene, and whether their comparison differs."""
+    llvm.narrow_kernels()  # each derived scene has kernels of its own, for one small picture
     scene = parse_scene(request["scene"].encode(), "scene")
     a = of_renderer(request["a"])
     b = of_renderer(request["b"]) if request["fault"] is None else of_fault(request["fault"])
