@@ -23,7 +23,6 @@ from .causes import ENOUGH, Causes, Question, of_the_file, of_the_tracer
 from .mistakes import CATALOGUE
 from .picture import FinishedPicture
 
-METHODS = ("exact", "paper")
 PLANES = ("color", "index", "status")
 SINGLE = 32  # bits: what rounding is taken to have been at worst
 ALIKE = 1.05  # numbers of failing pixels whose ratio is less
@@ -196,15 +195,17 @@ def _nearest(picture: FinishedPicture, readings: list[Form], progress) -> tuple[
         return tried[-1]
 
     text, *others = readings
-    best = min((tries(text, method) for method in METHODS), key=lambda h: (failing(h), int(h.differing.sum())))
+    best = tries(text, "exact")
+    if best.differing.any():
+        best = min((best, tries(text, "paper")), key=lambda h: (failing(h), int(h.differing.sum())))
     for form in others if failing(best) else ():
         literal = tries(form, "paper")  # as the figures were made
         if failing(literal) <= (1 - ENOUGH) * failing(best):
             best = min((literal, tries(form, "exact")), key=failing)
     # where both fail alike, the mistake is not one of the method: a port more likely has the document's own
-    literal = next(h for h in tried if h.form is best.form and h.method == "paper")
-    if failing(best) and failing(literal) <= ALIKE * failing(best):
-        best = literal
+    if failing(best):
+        literal = next(h for h in tried if h.form is best.form and h.method == "paper")
+        best = literal if failing(literal) <= ALIKE * failing(best) else best
     return best, tuple((h.form.name, h.method, int(h.differing.sum())) for h in tried)
 
 

@@ -35,8 +35,10 @@ def run(arguments) -> int:
     from raytruth.comparisons.ports.image_check import PLANES, check, sized
     from raytruth.comparisons.ports.picture import read
     from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer import llvm
     from raytruth.reference_tracer.scene.library import find
 
+    llvm.narrow_kernels()  # each is for one picture or two
     require_file(arguments.output, ".png")
     scene, picture = find(arguments.scene), read(arguments.file)
     height, width, _ = picture.color.shape
