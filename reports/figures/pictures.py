@@ -81,13 +81,13 @@ def write_scene(cases: list[Case], effects: list[ShownEffect], results: Path, re
             missing[run.key] = str(reason)
     runs = {key: _write_run(key, p, report) for key, p in planes.items()}
     truth = next((c.reference.key for c in cases if c.reference.key in planes), None)
-    base = (truth, planes[truth]) if truth else None
+    sides: dict[str, Planes] = {}  # each may be written against those before it; the truth is the first
     for case in cases:
         for run in (case.reference, case.test):
-            if run.key in planes and runs[run.key].floats is None:
+            if run.key in planes and run.key not in sides:
                 limit = _limit(case, planes[run.key], results) if run is case.test else None
-                runs[run.key] = replace(runs[run.key], floats=floats.write(
-                    run.key, planes[run.key], base if run.key != truth else None, limit, report))
+                runs[run.key] = replace(runs[run.key], floats=floats.write(run.key, planes[run.key], sides, limit, report))
+                sides[run.key] = planes[run.key]
     return ScenePictures(runs, {c.comparison.id: _write_case(c, planes, missing, report) for c in cases},
                          {s.effect.id: _write_effect(s, planes, missing, report) for s in effects}, missing,
                          _write_thumbnail(truth, planes[truth], report) if truth else "")

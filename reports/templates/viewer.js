@@ -71,7 +71,7 @@
     const wanted = [ofId(state.a), ofId(state.b)];
     find("wait").hidden = false;
     find("open").hidden = true;
-    find("wait-text").textContent = `Loading ${wanted.map((side) => `${side.title} (${megabytes(side.bytes)})`).join(" and ")}…`;
+    find("wait-text").textContent = `Loading ${wanted.map((side) => side.title).join(" and ")} (${room()})…`;
     try {
       const [a, b] = await Promise.all(wanted.map((side) => raytruth.load(side, sides)));
       if (a.width !== b.width || a.height !== b.height) throw new Error("the two pictures differ in size");
@@ -180,6 +180,13 @@
     return `${mantissa}\u202f×\u202f${power(Number(exponent))}`.replace("-", "−");
   }
   const power = (exponent) => (exponent ? `10${String(exponent).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)])}` : "1");
+  // Of all files of the two sides: one may be written against another, which then has to be there.
+  function room() {
+    const needed = new Set();
+    for (let side of [ofId(state.a), ofId(state.b)])
+      for (; side; side = sides.find((other) => other.key === side.base)) needed.add(side);
+    return megabytes([...needed].reduce((sum, side) => sum + side.bytes, 0));
+  }
   const megabytes = (bytes) => `${(bytes / 1e6).toFixed(bytes < 1e5 ? 2 : 1)} MB`;
 
   function readout() {
@@ -418,7 +425,7 @@
   find("tool").hidden = false;
   controls();
   drawLegend();
-  find("size").textContent = megabytes(ofId(state.a).bytes + ofId(state.b).bytes);
+  find("size").textContent = room();
   if (follow(location.hash)) {
     set({});
     root.scrollIntoView();
