@@ -99,7 +99,7 @@ def test_texts_of_the_document_stay_texts(html):
         page = Page(path)
         scripts = [attributes for tag, attributes in page.tags if tag == "script"]  # our own, and data that is none
         assert all(a.get("src") in {f"{'../' if path.parent != html else ''}{name}" for name in building.STATIC}
-                   or a == {"type": "application/json", "id": "viewer-data"} for a in scripts)
+                   or a == {"type": "application/json"} for a in scripts)
         assert not any(name.startswith("on") for _, attributes in page.tags for name in attributes)
     assert sphere_page(html).text.count(HOSTILE) > 5
     assert HOSTILE in Page(html / "index.html").text
