@@ -14,13 +14,13 @@ BIN    := $(VENV)/bin
 .PHONY: report test check fuzz enclosures docs bench clean
 
 # what the report shows; each suite keeps what it has finished, and exit code 1 says that something differs
-SUITES := "compare --largest 320 --jobs 3" "transport --jobs 3" "stability" "attribute --wrong-on-purpose --jobs 6" \
+SUITES := "compare --largest 320 --jobs 3 --report reports/html" "transport --jobs 3" "stability" "attribute --wrong-on-purpose --jobs 6" \
           "chart figure-07-torus figure-reflection --growth samples --growth threads -o results" \
           "plan figure-05-sphere figure-07-torus effect-mixing --size 160x120 --results results"
 
 report: $(VENV)/installed
-	@for suite in $(SUITES); do echo "raytruth $$suite"; $(BIN)/raytruth $$suite || [ $$? -eq 1 ] || exit 1; done
-	@$(BIN)/raytruth report
+	@for suite in $(SUITES); do echo "raytruth $$suite"; $(BIN)/raytruth $$suite || [ $$? -eq 1 ] || exit 1; \
+	  $(BIN)/raytruth report || exit 1; done
 	@echo "open reports/html/index.html"
 
 test: $(VENV)/installed

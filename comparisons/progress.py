@@ -8,6 +8,10 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from datetime import UTC, datetime
+from pathlib import Path
+
+from . import times
 
 STEADY, WILD = 1.5, 10.0  # paces that differ by more are a range, and no more than a least time
 EVERY = 5.0  # seconds between two lines where no terminal watches; work done sooner says nothing
@@ -90,10 +94,15 @@ class Progress:
 
 
 class Cases(Progress):
-    """The cases of a pool: a bar, and where no terminal watches a line for every case that has ended."""
+    """The cases of a pool: a bar, and where no terminal watches a line for every case that has ended.
 
-    def __init__(self):
+    What they took is kept in the `folder`, if there is one, as that of the `suite`: see times.py.
+    """
+
+    def __init__(self, suite: str = "", folder: Path | None = None):
         super().__init__(0)
+        self._suite, self._folder = suite, folder
+        self._created, self._spent = datetime.now(UTC).isoformat(timespec="seconds"), []
 
     def expect(self, cases: int) -> None:
         with self._lock:
@@ -107,10 +116,17 @@ class Cases(Progress):
     def end(self, label: str, seconds: float, state: str) -> None:
         with self._lock:
             self.step(1, label)
+            self._spent.append((label, round(seconds, 2)))
             if not self._terminal:
                 self.log(f"{label}: {state}, {seconds:.1f} s ({self.done:.0f} of {self.total:.0f})")
             if self.done >= self.total:
                 self.close()
+
+    def __exit__(self, failed, *_) -> None:
+        self.close()
+        if failed is None and self._folder and self._folder.is_dir():
+            times.keep(times.Suite(name=self._suite, created=self._created, cases=self._spent,
+                                   seconds=round(time.monotonic() - self._start, 1)), self._folder)
 
 
 class _Bar:

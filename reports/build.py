@@ -14,12 +14,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from raytruth.comparisons import results as comparison
 from raytruth.comparisons.execution.machine import packages, source_hash
-from raytruth.comparisons.results import Results
+from raytruth.comparisons.results import Results, SceneRecord
 from raytruth.reference_tracer.errors import InputError
-from raytruth.reference_tracer.tracer.image_files import write_8_bit
 
+from . import kept
 from .cases import is_lower_bound, scene_page
-from .figures import pictures, scale
+from .figures import pictures, png, scale
+from .figures.pictures import ScenePictures
 from .pages import READERS, Page, Report, all_pages, arrange
 from .pages.decisions import prose
 from .text import words
@@ -32,21 +33,21 @@ MOST_THREADS = 4  # each holds the planes of one scene, about 200 MB; packing an
 
 
 def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *, against: str | Path | None = None,
-          progress: Callable[[float], None] | None = None) -> Path:
+          to_come: int = 0, progress: Callable[[float], None] | None = None) -> Path:
     """Makes the report of the results in `results_folder`; returns the path of its first page.
 
     The same results give the same bytes, and a report made from the same results is left as it is. An earlier
-    report in `output_folder` is replaced as a whole, and stays as it is until the new one is complete. `progress` is
-    called with the finished fraction. `against` is a folder of earlier results, which changes are told against.
-    Raises InputError.
+    report in `output_folder` is replaced as a whole, and stays as it is until the new one is complete, which takes over
+    the pictures of scenes that have not changed. `progress` is called with the finished fraction. `against` is a folder
+    of earlier results, which changes are told against; `to_come` comparisons are still under way. Raises InputError.
     """
     results_folder, output = Path(results_folder), Path(output_folder).resolve()
     results = comparison.read(results_folder)
     report = arrange(results, {
         name: read(results_folder) for name, read in READERS.items() if (results_folder / name).exists()}, results_folder,
-        comparison.read(against) if against is not None else None)
+        comparison.read(against) if against is not None else None, to_come)
     _require_ours(output, results_folder.resolve())
-    made_from = fingerprint(results, results_folder, against)
+    made_from = fingerprint(results, results_folder, against, to_come)
     if is_current(output, made_from):
         if progress is not None:
             progress(1.0)
@@ -58,7 +59,7 @@ def build(results_folder: str | Path, output_folder: str | Path = OUTPUT, *, aga
         for leftover in (new, old):
             shutil.rmtree(leftover, ignore_errors=True)
         new.mkdir(parents=True)
-        _write(report, results_folder, new, progress or (lambda _: None))
+        _write(report, results_folder, new, output, progress or (lambda _: None))
         (new / STAMP).write_text(_stamp(new, made_from), encoding="utf-8", newline="\n")
         if output.exists():
             os.replace(output, old)
@@ -78,21 +79,27 @@ def _require_ours(output: Path, results: Path) -> None:
         raise InputError(f"{output}: exists and is not a report; remove it or choose another folder")
 
 
-def _write(report: Report, results_folder: Path, folder: Path, progress: Callable[[float], None]) -> None:
+def _write(report: Report, results_folder: Path, folder: Path, earlier: Path, progress: Callable[[float], None]) -> None:
     pictures.write_scale(folder)
-    scenes = report.results.scenes
+    scenes, code = report.results.scenes, _code()
+    before = kept.read(earlier) if is_whole(earlier) else {}
+    made_from = {scene.name: kept.made_from(report, scene, results_folder, code) for scene in scenes}
+
+    def write(scene: SceneRecord) -> ScenePictures:
+        return kept.taken_over(before.get(scene.name), made_from[scene.name], earlier, folder) or pictures.write_scene(
+            report.of_scene(scene), report.effects_of_scene(scene), results_folder, folder)
+
     with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
-        written = pool.map(lambda scene: pictures.write_scene(
-            report.of_scene(scene), report.effects_of_scene(scene), results_folder, folder), scenes)
-        for done, (scene, files) in enumerate(zip(scenes, written), 1):
+        for done, (scene, files) in enumerate(zip(scenes, pool.map(write, scenes)), 1):
             report.pictures[scene.name] = files
             progress(done / (len(scenes) + 1))
+    kept.write(report.pictures, made_from, folder)
     templates = environment()
     pages = all_pages(report)
     files = {page.path: rendered(templates, page, report, pages) for page in pages}
     for path, pixels in {path: pixels for page in pages for path, pixels in page.pictures.items()}.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
-        write_8_bit(pixels, folder / path)
+        png.write(pixels, folder / path)
     tables = {path: text for page in pages for path, text in page.tables.items()}
     for path, text in {**files, **tables, **static(templates)}.items():
         (folder / path).parent.mkdir(exist_ok=True)
@@ -125,15 +132,12 @@ def static(templates: Environment) -> dict[str, str]:
     return {name: templates.loader.get_source(templates, name)[0] for name in STATIC}
 
 
-def fingerprint(results: Results, folder: Path, against: str | Path | None = None) -> str:
+def fingerprint(results: Results, folder: Path, against: str | Path | None = None, to_come: int = 0) -> str:
     """A hash of all that can change a report: the documents, the sizes of the planes, all code, the packages.
 
     Names of planes are hashes of what can change them, so that their contents need not be read.
     """
-    digest = hashlib.sha256(json.dumps([packages(), source_hash()], sort_keys=True).encode())
-    here = Path(__file__).parent
-    for file in sorted(p for p in here.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
-        digest.update(f"{file.relative_to(here).as_posix()} {file.stat().st_size}\n".encode() + file.read_bytes())
+    digest = hashlib.sha256(f"{_code()} {to_come}\n".encode())
     for name in (comparison.FILE, *READERS):
         path = folder / name
         content = path.read_bytes() if path.is_file() else b""
@@ -141,10 +145,25 @@ def fingerprint(results: Results, folder: Path, against: str | Path | None = Non
     if against is not None:
         digest.update((Path(against) / comparison.FILE).read_bytes())
     for run in results.runs:
-        if run.planes is not None:
-            path = folder / run.planes
-            digest.update(f"{run.planes} {path.stat().st_size if path.is_file() else None}\n".encode())
+        digest.update(kept.size(run, folder).encode())
     return digest.hexdigest()
+
+
+def _code() -> str:
+    """A hash of all code, templates and packages."""
+    digest = hashlib.sha256(json.dumps([packages(), source_hash()], sort_keys=True).encode())
+    here = Path(__file__).parent
+    for file in sorted(p for p in here.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
+        digest.update(f"{file.relative_to(here).as_posix()} {file.stat().st_size}\n".encode() + file.read_bytes())
+    return digest.hexdigest()
+
+
+def is_whole(report: Path) -> bool:
+    """Whether `report` holds a report with no file lost, added or of another size."""
+    try:
+        return is_current(report, (report / STAMP).read_text(encoding="utf-8").partition("\n")[0])
+    except (OSError, ValueError):
+        return False
 
 
 def is_current(report: Path, made_from: str) -> bool:

@@ -104,7 +104,7 @@ def _all_faults(arguments) -> int:
     from raytruth.comparisons.attribution.measure import wrong_on_purpose
     from raytruth.comparisons.progress import Cases
 
-    with Cases() as progress:
+    with Cases("attribute", arguments.results) as progress:
         table = wrong_on_purpose(seen_from(arguments.cluster, arguments.results), jobs=arguments.jobs, progress=progress,
                                  cluster=arguments.cluster)
     if arguments.json:

@@ -55,7 +55,7 @@ def run(arguments) -> int:
     before = document.read_accepted(document.ACCEPTED) if document.ACCEPTED.exists() else None
     tell = lambda line: print(line, file=sys.stderr if arguments.json else sys.stdout, flush=True)
     tell(text.HEAD)
-    with Cases() as progress:
+    with Cases("bench", folder) as progress:
         bench = measure.run(chosen, options, arguments.scenes, lambda row: tell(text.line(row)), progress)
     if folder:
         documents.write(bench, folder / document.FILE)

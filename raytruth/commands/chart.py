@@ -49,7 +49,7 @@ def run(arguments) -> int:
         if arguments.scene or not arguments.growth else []
     folder = arguments.results or Path("results")
     require_folder(folder)
-    with Cases() as progress:
+    with Cases("chart", folder) as progress:
         chart = measure.run(charted, studies, measure.Options(
             folder, arguments.full, arguments.turns, limit, patience=30.0 if arguments.full else 0.5, progress=progress))
     if arguments.results or not (arguments.scene or arguments.growth):

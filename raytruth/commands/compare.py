@@ -20,6 +20,8 @@ from pathlib import Path
 
 from ..arguments import add_engine, number, require_folder, seen_from, whole
 
+FIRST = 3, 12  # scenes, the quickest ones, after which a report is made while the rest is under way
+
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
@@ -33,10 +35,13 @@ def add_arguments(parser):
     add_engine(parser, "runs made")
     parser.add_argument("--no-studies", action="store_true", help="leave out the sweeps of resolution and step size")
     parser.add_argument("--fresh", action="store_true", help="drop what the results say of other scenes and renderers")
+    parser.add_argument("--report", metavar="DIR", type=Path, help="make this report as the work goes on: the first pages "
+                        f"after {FIRST[0]} scenes")
     parser.add_argument("--json", action="store_true", help="print the results document")
 
 
 def run(arguments) -> int:
+    from raytruth import reports
     from raytruth.comparisons import renderers
     from raytruth.comparisons.agreement import records
     from raytruth.comparisons.agreement.tightness import TELLING
@@ -54,12 +59,17 @@ def run(arguments) -> int:
     names = Counter(scene.name for scene in scenes)
     if twice := [name for name, count in names.items() if count > 1]:
         raise InputError(f"two scenes are named {twice[0]!r}; give each its own \"name\"")
-    require_folder(arguments.results)
-    with Cases() as progress:
-        results = compare(scenes, Options(
-            folder=seen_from(arguments.cluster, arguments.results), renderers=chosen, largest=arguments.largest,
-            limit=arguments.limit, jobs=arguments.jobs, cluster=arguments.cluster, progress=progress,
-            with_studies=not arguments.no_studies, fresh=arguments.fresh))
+    for folder in (arguments.results, arguments.report):
+        require_folder(folder)
+    with Cases("compare", arguments.results) as progress:
+        for some in _rounds(scenes, arguments.results) if arguments.report else [scenes]:
+            results = compare(some, Options(
+                folder=seen_from(arguments.cluster, arguments.results), renderers=chosen, largest=arguments.largest,
+                limit=arguments.limit, jobs=arguments.jobs, cluster=arguments.cluster, progress=progress,
+                with_studies=some is scenes and not arguments.no_studies, fresh=arguments.fresh))
+            if arguments.report:
+                reports.build(arguments.results, arguments.report,
+                              to_come=len(_missing(scenes, arguments.results)) * len(chosen))
     matrix = records.read(arguments.results)
     if arguments.json:
         print(results.model_dump_json(indent=1))
@@ -72,6 +82,21 @@ def run(arguments) -> int:
     loose = here.issuperset(TELLING) and any(
         t.verdict == "loose" and t.tolerance not in LOOSE for t in matrix.tightness)
     return 1 if broken or odd or loose or any(c.verdict == "differs" for c in results.comparisons) else 0
+
+
+def _rounds(scenes, folder: Path):
+    """More and more of the scenes that have no results, and all at last: what is finished then is reused."""
+    quickest = sorted(_missing(scenes, folder), key=lambda scene: (scene.tracing.samples, len(scene.objects)))
+    return [*(quickest[:first] for first in FIRST if first < len(quickest)), scenes]
+
+
+def _missing(scenes, folder: Path) -> list:
+    from raytruth.comparisons import document
+    from raytruth.comparisons.results import COMMAND, FILE, Results
+
+    found = document.found(folder / FILE, Results, COMMAND)
+    known = {scene.name for scene in found.scenes} if found else set()
+    return [scene for scene in scenes if scene.name not in known]
 
 
 def _tell(results, matrix, folder) -> None:

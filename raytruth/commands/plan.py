@@ -47,7 +47,7 @@ def run(arguments) -> int:
     if folder is not None and (folder / document.FILE).exists():
         document.read(folder)  # before the work, not after it
     plans, lost = [], 0
-    with Cases() as progress:
+    with Cases("plan", folder) as progress:
         for scene, planning in zip(scenes, measure.run(scenes, arguments.tolerance, folder, limit=arguments.limit,
                                                        with_mesh=arguments.with_mesh, progress=progress)):
             progress.close()

@@ -3,7 +3,8 @@
 examples:
   raytruth compare && raytruth report                     then open reports/html/index.html
   raytruth report --against earlier-results               says what is better, worse, slower, new and gone
-  raytruth report --scene figure-09-heart --single-file heart.html    one scene's page as one file to send
+  raytruth report --profile                               where the time of the suites went when they last ran
+  raytruth report --scene figure-09-heart --single-file heart.html    pages of scenes as one file to send
 """
 
 from __future__ import annotations
@@ -16,16 +17,21 @@ def add_arguments(parser):
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=Path("reports/html"),
                         help="default: reports/html")
     parser.add_argument("--against", metavar="DIR", type=Path, help="results of an earlier run, to tell changes against")
-    parser.add_argument("--scene", metavar="SCENE", help="the scene of --single-file")
+    parser.add_argument("--profile", action="store_true", help="say where the time of the last runs went, and build nothing")
+    parser.add_argument("--scene", metavar="SCENE", action="append", default=[], help="a scene of --single-file (repeatable)")
     parser.add_argument("--single-file", metavar="FILE", type=Path,
-                        help="writes the page of --scene, its pictures and numbers included, into this file as well")
+                        help="writes the pages of these scenes, pictures and numbers included, into this file as well")
 
 
 def run(arguments) -> int:
+    from raytruth.comparisons import times
     from raytruth.reference_tracer.errors import InputError
 
-    if (arguments.single_file is None) != (arguments.scene is None):
-        raise InputError("--single-file and --scene belong together: name the file, and the scene that it shows")
+    if (arguments.single_file is None) == bool(arguments.scene):
+        raise InputError("--single-file and --scene belong together: name the file, and the scenes that it shows")
+    if arguments.profile:
+        print("\n".join(times.told(arguments.results)))
+        return 0
     from raytruth import reports
     from raytruth.comparisons import results
 

@@ -40,7 +40,7 @@ def run(arguments) -> int:
     chosen = cases.find(arguments.family)
     folder = arguments.results or (None if arguments.family else Path("results"))
     require_folder(folder)
-    with Cases() as progress:
+    with Cases("stability", folder) as progress:
         document = measure.run(chosen, seen_from(arguments.cluster, folder or Path("results")), rays=arguments.rays,
                                jobs=arguments.jobs, progress=progress, cluster=arguments.cluster)
     if folder is not None:

@@ -38,7 +38,7 @@ def run(arguments) -> int:
     chosen = cases.find(arguments.case)
     folder = arguments.results or Path("results")
     require_folder(folder)
-    with Cases() as progress:
+    with Cases("transport", folder) as progress:
         document = measure.run(chosen, seen_from(arguments.cluster, folder), limit=arguments.limit, jobs=arguments.jobs,
                                progress=progress, cluster=arguments.cluster)
     if arguments.results or not arguments.case:

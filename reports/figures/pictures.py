@@ -12,11 +12,11 @@ from raytruth.comparisons.execution.store import Store, UnwritableError
 from raytruth.comparisons.results import Run
 from raytruth.comparisons.verdicts import conditioning
 from raytruth.comparisons.verdicts.pairs import accuracies
-from raytruth.reference_tracer.tracer.image_files import to_8_bit, write_8_bit
+from raytruth.reference_tracer.tracer.image_files import to_8_bit
 
 from ..cases import Case, ShownEffect
 from ..text.words import slug
-from . import floats, maps, scale
+from . import floats, maps, png, scale
 from .floats import FloatFile
 from .maps import Ring, Spread, around_worst, spread
 from .planes import NoPlanes, Planes, read
@@ -65,7 +65,7 @@ def write_scale(report: Path) -> None:
     """Makes the folders, and the colour bar of every legend: one pixel a level."""
     for folder in (RUNS, ERRORS, EFFECTS, THUMBNAILS):
         (report / folder).mkdir(parents=True)
-    write_8_bit(scale.TABLE[None], report / SCALE)
+    png.write(scale.TABLE[None], report / SCALE)
 
 
 def write_scene(cases: list[Case], effects: list[ShownEffect], results: Path, report: Path) -> ScenePictures:
@@ -81,13 +81,13 @@ def write_scene(cases: list[Case], effects: list[ShownEffect], results: Path, re
             missing[run.key] = str(reason)
     runs = {key: _write_run(key, p, report) for key, p in planes.items()}
     truth = next((c.reference.key for c in cases if c.reference.key in planes), None)
-    base = (truth, planes[truth]) if truth else None
+    sides: dict[str, Planes] = {}  # each may be written against those before it; the truth is the first
     for case in cases:
         for run in (case.reference, case.test):
-            if run.key in planes and runs[run.key].floats is None:
+            if run.key in planes and run.key not in sides:
                 limit = _limit(case, planes[run.key], results) if run is case.test else None
-                runs[run.key] = replace(runs[run.key], floats=floats.write(
-                    run.key, planes[run.key], base if run.key != truth else None, limit, report))
+                runs[run.key] = replace(runs[run.key], floats=floats.write(run.key, planes[run.key], sides, limit, report))
+                sides[run.key] = planes[run.key]
     return ScenePictures(runs, {c.comparison.id: _write_case(c, planes, missing, report) for c in cases},
                          {s.effect.id: _write_effect(s, planes, missing, report) for s in effects}, missing,
                          _write_thumbnail(truth, planes[truth], report) if truth else "")
@@ -99,13 +99,13 @@ def _write_thumbnail(key: str, planes: Planes, report: Path) -> str:
     step = max(1, min(round(width / THUMBNAIL), height, width))
     cut = np.clip(np.nan_to_num(planes.color[:height // step * step, :width // step * step]), 0, 1)
     file = f"{THUMBNAILS}/{slug(key)}.png"
-    write_8_bit(to_8_bit(cut.reshape(height // step, step, width // step, step, 3).mean(axis=(1, 3))), report / file)
+    png.write(to_8_bit(cut.reshape(height // step, step, width // step, step, 3).mean(axis=(1, 3))), report / file)
     return file
 
 
 def _write_run(key: str, planes: Planes, report: Path) -> RunPictures:
     file = f"{RUNS}/{slug(key)}.png"
-    write_8_bit(to_8_bit(planes.color), report / file)
+    png.write(to_8_bit(planes.color), report / file)
     height, width = planes.shape
     return RunPictures(file, width, height, int(planes.undecided.sum()))
 
@@ -143,7 +143,7 @@ def _write_effect(shown: ShownEffect, planes: dict[str, Planes], missing: dict[s
 
 
 def _write_map(errors: maps.Errors, file: str, report: Path, rings: tuple[Ring, ...] = ()) -> Map:
-    write_8_bit(scale.paint(errors.color, errors.mismatch, errors.undecided), report / file)
+    png.write(scale.paint(errors.color, errors.mismatch, errors.undecided), report / file)
     return Map(file, spread(errors.color, errors), rings)
 
 

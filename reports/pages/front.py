@@ -12,7 +12,7 @@ from raytruth.comparisons.stability.document import FILE as FAILURES
 from ..cases import Case, verdict_counts
 from ..figures.charts import Axis, Line, chart
 from ..text.numbers import parts
-from ..text.words import VERDICTS, count, slug
+from ..text.words import VERDICTS, capital, count, slug
 from . import matrix
 from .page import Page, Report
 
@@ -45,7 +45,7 @@ def pages(report: Report) -> list[Page]:
     pairs = report.documents.get(matrix.FILE)
     return [Page("index.html", "index.html.j2", {
         "counts": counts,
-        "headline": headline(counts),
+        "headline": headline(counts, rows),
         "agreeing": worst(of["agrees"]),
         "expected": worst(of["expected"]),
         "differing": worst(of["differs"]),
@@ -64,12 +64,18 @@ def pages(report: Report) -> list[Page]:
     }, nav="Findings")]
 
 
-def headline(counts: dict[str, int]) -> str:
-    """Whether all agrees, in one sentence; what could not be compared is never counted as agreeing."""
+def headline(counts: dict[str, int], rows: list[RendererRow]) -> str:
+    """Whether all agrees, in one sentence, and who does not; what could not be compared is never counted as agreeing."""
     total, compared = sum(counts.values()), sum(counts.values()) - counts["not compared"]
-    if counts["differs"]:
-        verb = "differs" if counts["differs"] == 1 else "differ"
-        return f"{counts['differs']} of {count(total, 'comparison')} {verb} from the truth."
+    wrong = [row for row in rows if row.counts["differs"]]
+    if len(wrong) == 1:
+        (row,) = wrong
+        who = row.title + ("," if "," in row.title else "")
+        tried = sum(row.counts.values()) - row.counts["not compared"]
+        return f"{who} differs from the truth on {row.counts['differs']} of {count(tried, 'scene')}."
+    if wrong:
+        who = " and ".join(row.name for row in wrong) if len(wrong) == 2 else f"{len(wrong)} of {len(rows)} renderers"
+        return f"{capital(who)} differ from the truth, in {counts['differs']} of {count(total, 'comparison')}."
     if not compared:
         return "Nothing was compared."
     if counts["expected"]:

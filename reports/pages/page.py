@@ -24,6 +24,7 @@ class Report:
     pictures: dict[str, ScenePictures]  # name of the scene: its files; filled as they are written
     folder: Path  # of the results
     earlier: Results | None = None  # of the run that changes are told against
+    to_come: int = 0  # comparisons that are still under way
 
     def of_scene(self, scene: SceneRecord) -> list[Case]:
         return [case for case in self.cases if case.scene.name == scene.name]
@@ -41,10 +42,10 @@ class Report:
 
 
 def arrange(results: Results, documents: dict[str, Record] | None = None, folder: Path = Path(),
-            earlier: Results | None = None) -> Report:
+            earlier: Results | None = None, to_come: int = 0) -> Report:
     """Everything but the pictures. Raises InputError if the document contradicts itself."""
     return Report(results, cases(results), failed_runs(results), effects(results), documents or {}, {}, folder,
-                  earlier)
+                  earlier, to_come)
 
 
 @dataclass(frozen=True)

@@ -24,10 +24,6 @@ class Side:
     run: Run
     pictures: RunPictures
 
-    @property
-    def megabytes(self) -> str:
-        return f"{self.pictures.floats.size / 1e6:.1f} MB"
-
 
 @dataclass(frozen=True)
 class Viewer:
@@ -56,9 +52,9 @@ def viewer(report: Report, scene: SceneRecord, root: str) -> Viewer | None:
     found.data.update({
         "scene": scene.name, "name": scene.name, "width": sides[0].pictures.width, "height": sides[0].pictures.height,
         "truth": sides[0].id, "pair": [pairs[0]["a"], pairs[0]["b"]] if pairs else [side.id for side in sides[:2]],
-        "sides": [{"id": side.id, "title": side.run.title, "key": side.run.key, "file": root + side.pictures.floats.file,
-                   "bytes": side.pictures.floats.size, "bits": side.pictures.floats.bits, "command": side.run.command}
-                  for side in sides],
+        "sides": [{"id": side.id, "title": side.run.title, "key": side.run.key, "command": side.run.command,
+                   "file": root + numbers.file, "base": numbers.base, "bytes": numbers.size, "bits": numbers.bits}
+                  for side in sides for numbers in [side.pictures.floats]],
         "pairs": pairs,
         "objects": [{"name": name, "rgb": colour.tolist()}
                     for name, colour in zip(scene.objects, object_colours(len(scene.objects)))],

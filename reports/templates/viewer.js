@@ -2,9 +2,9 @@
 // address's fragment holds the state, so that a link restores it. Keys, pointer and touch change the state and nothing else.
 "use strict";
 
-{
-  const root = document.getElementById("viewer");
-  const scene = JSON.parse(document.getElementById("viewer-data").textContent);
+for (const root of document.querySelectorAll(".viewer")) { // one a scene: a file of several scenes puts a word before each id
+  const name = root.id, before = name.slice(0, -"viewer".length);
+  const scene = JSON.parse(root.querySelector("[type='application/json']").textContent);
   const { sides, objects, scale } = scene;
   const find = (name) => root.querySelector(`[data-part="${name}"]`);
   const canvas = find("canvas"), legend = find("legend"), context = canvas.getContext("2d");
@@ -36,15 +36,15 @@
       if (state[name] === null || (!state.pinned && (name === "row" || name === "col"))) continue;
       coded.set(name, write(state[name]));
     }
-    return `#viewer&${coded}`;
+    return `#${name}&${coded}`;
   }
 
   // Takes what a fragment says; true if it is one of ours. A link to a comparison chooses its two sides.
   function follow(fragment) {
-    const text = fragment.replace(/^#/, ""), pair = scene.pairs.find((p) => p.anchor === text);
+    const text = fragment.replace(/^#/, ""), pair = scene.pairs.find((p) => before + p.anchor === text);
     if (pair) [state.a, state.b] = [pair.a, pair.b];
-    if (!text.startsWith("viewer&")) return false;
-    const coded = new URLSearchParams(text.slice("viewer&".length));
+    if (!text.startsWith(`${name}&`)) return false;
+    const coded = new URLSearchParams(text.slice(name.length + 1));
     for (const [name, [, read]] of Object.entries(CODED)) {
       const value = coded.has(name) ? read(coded.get(name)) : undefined;
       if (value !== undefined) state[name] = value;
@@ -71,7 +71,7 @@
     const wanted = [ofId(state.a), ofId(state.b)];
     find("wait").hidden = false;
     find("open").hidden = true;
-    find("wait-text").textContent = `Loading ${wanted.map((side) => `${side.title} (${megabytes(side.bytes)})`).join(" and ")}…`;
+    find("wait-text").textContent = `Loading ${wanted.map((side) => side.title).join(" and ")} (${room()})…`;
     try {
       const [a, b] = await Promise.all(wanted.map((side) => raytruth.load(side, sides)));
       if (a.width !== b.width || a.height !== b.height) throw new Error("the two pictures differ in size");
@@ -180,6 +180,13 @@
     return `${mantissa}\u202f×\u202f${power(Number(exponent))}`.replace("-", "−");
   }
   const power = (exponent) => (exponent ? `10${String(exponent).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)])}` : "1");
+  // Of all files of the two sides: one may be written against another, which then has to be there.
+  function room() {
+    const needed = new Set();
+    for (let side of [ofId(state.a), ofId(state.b)])
+      for (; side; side = sides.find((other) => other.key === side.base)) needed.add(side);
+    return megabytes([...needed].reduce((sum, side) => sum + side.bytes, 0));
+  }
   const megabytes = (bytes) => `${(bytes / 1e6).toFixed(bytes < 1e5 ? 2 : 1)} MB`;
 
   function readout() {
@@ -240,13 +247,13 @@
       const followed = scene.pairs.find((p) => p.a === state.a && p.b === state.b)?.histories.find((h) => h.row === row && h.col === col);
       if (followed) {
         const rays = document.createElement("a");
-        [rays.href, rays.textContent] = [`#${followed.anchor}`, "rays"];
+        [rays.href, rays.textContent] = [`#${before}${followed.anchor}`, "rays"];
         item.append(" ", rays);
       }
       return item;
     }));
   }
-  const pixelLink = (row, col) => `#viewer&${new URLSearchParams({ a: state.a, b: state.b, row, col, zoom: 12 })}`;
+  const pixelLink = (row, col) => `#${name}&${new URLSearchParams({ a: state.a, b: state.b, row, col, zoom: 12 })}`;
 
   function controls() {
     for (const name of ["a", "b", "plane", "kind"]) find(name).value = name === "kind" ? kind() : state[name];
@@ -405,7 +412,7 @@
     return true;
   }
   document.addEventListener("click", (event) => {
-    const link = event.target.closest('a[href^="#viewer&"]');
+    const link = event.target.closest(`a[href^="#${name}&"]`);
     if (!link || event.ctrlKey || event.metaKey || event.shiftKey) return;
     event.preventDefault();
     if (link !== find("link")) arrive(link.getAttribute("href"));
@@ -418,7 +425,7 @@
   find("tool").hidden = false;
   controls();
   drawLegend();
-  find("size").textContent = megabytes(ofId(state.a).bytes + ofId(state.b).bytes);
+  find("size").textContent = room();
   if (follow(location.hash)) {
     set({});
     root.scrollIntoView();

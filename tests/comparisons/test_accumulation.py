@@ -57,6 +57,32 @@ def test_one_more_renderer_drops_no_other(tmp_path):
     assert rows(tmp_path)[0] == {"one--paper", "one--embree"} and {p.second for p in records.read(tmp_path).pairs} == before
 
 
+def test_pages_appear_while_scenes_are_compared_and_the_time_is_told(tmp_path, monkeypatch, capsys):
+    from raytruth import reports
+    from raytruth.commands import compare as command
+
+    told, build = [], reports.build
+
+    def built(*arguments, **more):
+        told.append(build(*arguments, **more).read_text(encoding="utf-8"))
+
+    monkeypatch.setattr(reports, "build", built)
+    monkeypatch.setattr(command, "FIRST", (1,))
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.json").write_text(scene(name).model_dump_json(by_alias=True))
+    line = ["compare", str(tmp_path / "one.json"), str(tmp_path / "two.json"), "--renderers", "paper", "--no-studies",
+            "-o", str(tmp_path / "results"), "--report", str(tmp_path / "html")]
+    assert main(line) == 0
+    assert len(told) == 2 and "<b>1 of 2 comparisons so far.</b>" in told[0] and 'href="scenes/one.html"' in told[0]
+    assert "so far" not in told[1] and 'href="scenes/two.html"' in told[1]
+    capsys.readouterr()
+    assert main(["report", "--profile", "--results", str(tmp_path / "results")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("compare, ") and {"exact", "paper", "limits"} & {line.split()[0] for line in lines[1:]}
+    assert main(line) == 0 and len(told) == 3  # all is there: no round before the last
+    assert main(["report", "--profile", "--results", str(tmp_path)]) == 2
+
+
 def test_the_command_printed_with_a_case_works_and_leaves_the_results_alone(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["compare", "effect-shading", "effect-shadow", "--renderers", "paper", "--no-studies", "--largest", "24"]) == 0

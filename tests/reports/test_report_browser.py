@@ -365,7 +365,7 @@ def test_one_file_shows_a_scene_by_itself(browser, site, tmp_path, pictures):
     from raytruth.reports.single import single_file
 
     results = make_results(pictures["good"].scene)
-    file = single_file(site, results, "figure-05-sphere", tmp_path / "sphere.html")
+    file = single_file(site, results, ["figure-05-sphere"], tmp_path / "sphere.html")
     page = browser.new_page()
     asked = []
     page.on("request", lambda r: asked.append(r.url))
@@ -374,6 +374,46 @@ def test_one_file_shows_a_scene_by_itself(browser, site, tmp_path, pictures):
     page.wait_for_selector("#viewer[data-ready='good bad']")
     assert [float(text) for text in cells(page, "red")[:2]] == [p.color[FAR][0] for p in (pictures["good"], pictures["bad"])]
     assert page.evaluate(SHOW_ALL) == [] and page.locator("a[href]:not([href^='#'])").count() == 0
+    assert [url for url in asked if not url.startswith(("data:", f"file://{file}"))] == []
+    page.close()
+
+
+def test_one_file_shows_several_scenes_each_with_its_own_viewer(browser, tmp_path, pictures):
+    from raytruth.reports.single import single_file
+
+    swapped = {"good": pictures["bad"], "bad": pictures["good"]}  # of the second scene
+    folder = make_folder(tmp_path / "results", {**pictures, **{f"twin-{name}": picture for name, picture in swapped.items()}})
+    results = make_results(pictures["good"].scene)
+    runs = {run.key: run for run in results.runs}
+    twin = [runs[name].model_copy(update={"key": f"twin-{name}", "planes": f"runs/twin-{name}.npz", "scene": "twin"})
+            for name in swapped]
+    second = next(c for c in results.comparisons if c.id == "faulty").model_copy(
+        update={"id": "twin-faulty", "scene": "twin", "reference": "twin-good", "test": "twin-bad"})
+    results = results.model_copy(update={
+        "scenes": [results.scenes[0], results.scenes[0].model_copy(update={"name": "twin", "title": "Twin"})],
+        "runs": [*results.runs, *twin], "comparisons": [*results.comparisons, second]})
+    documents.write(results, folder)
+    html = reports.build(folder, tmp_path / "html").parent
+    file = single_file(html, results, ["figure-05-sphere", "twin"], tmp_path / "sent" / "two.html")
+    shutil.rmtree(html)
+    page = browser.new_page()
+    asked = []
+    page.on("request", lambda r: asked.append(r.url))
+    page.on("console", lambda m: asked.append(m.text))
+    page.on("pageerror", lambda error: asked.append(str(error)))
+    page.goto(f"file://{file}")
+    assert page.evaluate(SHOW_ALL) == [] and page.evaluate(WIDER) == 0
+    ids = page.evaluate("() => [...document.querySelectorAll('[id]')].map((found) => found.id)")
+    assert len(ids) == len(set(ids))
+    links = page.evaluate("() => [...document.querySelectorAll('a[href]')].map((link) => link.getAttribute('href'))")
+    assert links and all(link.startswith("#") and link[1:].split("&")[0] in ids for link in links)
+    assert "#twin-content" in links and "#figure-05-sphere-content" in links
+    for word, order in (("figure-05-sphere", ("good", "bad")), ("twin", ("bad", "good"))):
+        page.click(f"#{word}-viewer [data-part=open]")
+        page.wait_for_selector(f"#{word}-viewer[data-ready='good bad']")
+        page.goto(f"file://{file}#{word}-viewer&a=good&b=bad&row={FAR[0]}&col={FAR[1]}")
+        reds = page.locator(f"#{word}-viewer [data-row=red] td").all_inner_texts()[:2]
+        assert [float(text) for text in reds] == [pictures[name].color[FAR][0] for name in order]
     assert [url for url in asked if not url.startswith(("data:", f"file://{file}"))] == []
     page.close()
 

@@ -64,3 +64,28 @@ def test_documents_and_source_are_in_the_fingerprint(folder, monkeypatch, tmp_pa
     monkeypatch.setattr(building, "__file__", str(tmp_path / "build.py"))  # other source of the reports
     found.add(building.fingerprint(results, folder))
     assert len(found) == 5
+
+
+def test_pictures_of_scenes_that_have_not_changed_are_taken_over(folder, html, monkeypatch, tmp_path):
+    from raytruth.comparisons import results as documents
+
+    made = []
+    write = building.pictures.write_scene
+    monkeypatch.setattr(building.pictures, "write_scene",
+                        lambda cases, *more: (made.append({case.scene.name for case in cases}), write(cases, *more))[1])
+    results = documents.read(folder)
+    documents.write(results.model_copy(update={"created": "later"}), folder)
+    reports.build(folder, html)
+    assert made == [] and "later" in (html / "index.html").read_text()
+    assert reports.build(folder, tmp_path / "anew").exists() and made
+    files = lambda report: {p.relative_to(report): p.read_bytes() for p in report.rglob("*") if p.is_file()}
+    assert files(html) == files(tmp_path / "anew")
+    made.clear()
+    changed = [c.model_copy(update={"worst": []}) for c in results.comparisons]
+    documents.write(results.model_copy(update={"comparisons": changed}), folder)
+    reports.build(folder, html)
+    assert made == [{"figure-05-sphere"}]
+    made.clear()
+    next((html / "planes").iterdir()).write_bytes(b"cut")  # a report that is not whole gives nothing
+    reports.build(folder, html)
+    assert {"figure-05-sphere"} in made
