@@ -46,12 +46,13 @@ class Descartes(SegmentMethod):
         a = solid.polynomial(*Polynomial.along(ray.at(start), ray.d * scale)).c  # g in u, t = start + u scale
         n, rounding = len(a) - 1, NOISE * dr.epsilon(Float)
         noise = rounding * sum((dr.abs(c) for c in a[1:]), dr.abs(a[0]))
+        known = dr.isfinite(noise)
         u, w = dr.zeros(Float, dr.width(scale)), Float(1)
         side = Bool(inside)
         settled = (start > 0) | dr.select(side, a[0] < -noise, a[0] > noise)
         count, segments = UInt(0), UInt(0)
-        undecided, guess = Bool(False), Float(u)
-        active = scale > 0
+        undecided, guess = ~known, Float(u)
+        active = known & (scale > 0)
         while active:
             w = dr.minimum(w, 1 - u)
             b, certain = _bernstein(a, u, w, noise)
