@@ -14,7 +14,7 @@ import drjit as dr
 from . import functions as fn
 from .dual import Dual
 from .interval import Interval
-from .polynomial import Polynomial
+from .polynomial import OfDegree, Polynomial
 from .program import ALGEBRAIC, LENGTH, OPERATIONS, REGISTERS, Program
 
 
@@ -41,7 +41,8 @@ def _bound(a):
 
 
 _MEANING = {
-    "add": lambda a, b, c: a + b, "sub": lambda a, b, c: a - b, "mul": lambda a, b, c: fn.of_sign(a * b, a, b),
+    "add": lambda a, b, c: a + b, "sub": lambda a, b, c: a - b, "mul": lambda a, b, c: a * b,
+    "signed mul": lambda a, b, c: fn.of_sign(a * b, a, b),
     "square": lambda a, b, c: a**2, "negate": lambda a, b, c: -a, "add number": lambda a, b, c: a + c,
     "mul number": lambda a, b, c: a * c, "over number": lambda a, b, c: fn.quotient(a, c), "number": lambda a, b, c: c,
     "div": lambda a, b, c: fn.quotient(a, b), "number over": lambda a, b, c: fn.quotient(c, a),
@@ -108,13 +109,14 @@ def _register(Float, count: int) -> type:
 
 
 class Interpreter:
-    """The function of a program, on any of our number types of Dr.Jit arrays; of polynomials those up to `degree`.
+    """The function of a program, on any of our number types of Dr.Jit arrays; of polynomials, whose
+    degree is `degree`, those up to `highest`.
 
     A program without instructions is of a function that is not known, whose every value is NaN.
     """
 
-    def __init__(self, program: Program, arrays, degree: int = 0):
-        self.Float, self.UInt, self.degree = arrays.Float, arrays.UInt, degree
+    def __init__(self, program: Program, arrays, highest: int = 0, degree: int = 0):
+        self.Float, self.UInt, self.highest, self.number = arrays.Float, arrays.UInt, highest, arrays.count(degree)
         rest = LENGTH - len(program.words)  # kernels are recorded for arrays of one length
         self.words, self.numbers = arrays.UInt([*program.words] + [0] * rest), arrays.Float([*program.numbers] + [0.0] * rest)
         self.count = arrays.count(len(program.words))
@@ -122,10 +124,14 @@ class Interpreter:
 
     @property
     def variables(self) -> list:
-        return [self.words, self.numbers, self.count]
+        return [self.words, self.numbers, self.count, self.number]
 
     def __call__(self, *point):
-        Float, UInt, shape = self.Float, self.UInt, Shape.of(point[0], self.degree)
+        shape = Shape.of(point[0], self.highest)
+        if shape.derivatives == 3:  # one derivative at a time: as those along a ray, which kernels have at hand
+            alone = [self(*(Dual(p.value, (p.derivatives[k],)) for p in point)) for k in range(3)]
+            return Dual(alone[0].value, tuple(part.derivative() for part in alone))
+        Float, UInt = self.Float, self.UInt
         coordinates = [shape.parts(number, Float) for number in point]
         # calls: an operation stands in a kernel once for each number type, however often f is evaluated
         calls = [lambda a, b, c, f=f: shape.parts(f(shape.number(a), shape.number(b), c), Float)
@@ -143,4 +149,5 @@ class Interpreter:
             return step + 1, registers
 
         _, registers = dr.while_loop((UInt(0), registers), lambda step, _: step < self.count, carry_out)
-        return shape.number([dr.select(self.count > 0, part, dr.nan) for part in vars(registers[0]).values()])
+        value = shape.number([dr.select(self.count > 0, part, dr.nan) for part in vars(registers[0]).values()])
+        return value if shape.degree is None else OfDegree(value.c, self.number)

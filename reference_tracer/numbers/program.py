@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from . import functions as fn
 from .polynomial import HIGHEST_DEGREE, NotAlgebraic
 
 ALGEBRAIC = ("add", "sub", "mul", "square", "negate", "add number", "mul number", "over number", "number")  # of polynomials, too
-OPERATIONS = (*ALGEBRAIC, "div", "number over", "power", "sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute", "minimum",
-              "maximum", "atan2", "of sign", "not negative")
+OPERATIONS = (*ALGEBRAIC, "signed mul", "div", "number over", "power", "sqrt", "sin", "cos", "tan", "exp", "log", "absolute",
+              "minimum", "maximum", "atan2", "of sign", "not negative")
 LENGTH = 256  # instructions at most
 REGISTERS = 32
 
@@ -110,7 +111,9 @@ class Written:
     def __mul__(self, other):
         if other is self:
             return self**2
-        return self._with(other, "mul") if isinstance(other, Written) else self.writer.step("mul number", self, number=other)
+        if not isinstance(other, Written):
+            return self.writer.step("mul number", self, number=other)
+        return self._with(other, "signed mul" if self.writer.signs else "mul")
 
     __rmul__ = __mul__
 
@@ -154,15 +157,23 @@ class Written:
     def atan2_of(self, y):
         return self.writer.number(y).atan2(self)
 
-    def _unwritable(self, *_):
-        raise Unwritable("a real power, or a function that jumps")
+    def power(self, exponent):
+        if fn.eighths(exponent) is not None:
+            raise Unwritable("a power by square roots")
+        return fn.exp(fn.log(self) * exponent)  # as intervals have it
 
-    power = power_of = floor = heaviside = _unwritable
+    def power_of(self, base):
+        return self.writer.number(base).power(self)
+
+    def _unwritable(self, *_):
+        raise Unwritable("a function that jumps, or is rare")
+
+    cbrt = floor = heaviside = _unwritable
 
 
 def _elementary(name: str):
     return lambda self: self.writer.step(name, self)
 
 
-for _name in ("sqrt", "cbrt", "sin", "cos", "tan", "exp", "log", "absolute"):
+for _name in ("sqrt", "sin", "cos", "tan", "exp", "log", "absolute"):
     setattr(Written, _name, _elementary(_name))

@@ -41,7 +41,7 @@ class Interpreted:
         self.of, self.family, self.parameters = of, family, {}
         regular, polynomial = programs_of(of)
         self.function = self.regular_form = Interpreter(regular, arrays)
-        self.polynomial_form = Interpreter(polynomial, arrays, HIGHEST_DEGREE)
+        self.polynomial_form = Interpreter(polynomial, arrays, HIGHEST_DEGREE, max(of.degree or 1, 1) if _is_short(of) else 1)
         self.variables = [self.regular_form.variables, self.polynomial_form.variables]
 
     def __getattr__(self, name: str):
