@@ -6,6 +6,8 @@ enclosures is proven of the program. All rays carry out the same instruction at 
 
 from __future__ import annotations
 
+import operator
+from collections.abc import Callable
 from dataclasses import dataclass, make_dataclass
 from functools import cache
 
@@ -15,7 +17,7 @@ from . import functions as fn
 from .dual import Dual
 from .interval import Interval
 from .polynomial import OfDegree, Polynomial
-from .program import ALGEBRAIC, LENGTH, OPERATIONS, REGISTERS, Program
+from .program import ALGEBRAIC, ELEMENTARY, LENGTH, OPERATIONS, REGISTERS, Program
 
 
 def whole_power(a, n):
@@ -40,17 +42,26 @@ def _bound(a):
     return a.low if isinstance(a, Interval) else a
 
 
-_MEANING = {
-    "add": lambda a, b, c: a + b, "sub": lambda a, b, c: a - b, "mul": lambda a, b, c: a * b,
-    "signed mul": lambda a, b, c: fn.of_sign(a * b, a, b),
-    "square": lambda a, b, c: a**2, "negate": lambda a, b, c: -a, "add number": lambda a, b, c: a + c,
-    "mul number": lambda a, b, c: a * c, "over number": lambda a, b, c: fn.quotient(a, c), "number": lambda a, b, c: c,
-    "div": lambda a, b, c: fn.quotient(a, b), "number over": lambda a, b, c: fn.quotient(c, a),
-    "power": lambda a, b, c: whole_power(a, dr.uint32_array_t(type(c))(c)), "of sign": lambda a, b, c: fn.of_sign(a, b),
-    "not negative": lambda a, b, c: fn.of_sign(a)}
-MEANINGS = [_MEANING.get(name) or (lambda a, b, c, f=getattr(fn, name): f(a)) for name in OPERATIONS]
-for _name in ("minimum", "maximum", "atan2"):
-    MEANINGS[OPERATIONS.index(_name)] = lambda a, b, c, f=getattr(fn, _name): f(a, b)
+def _of_one(function: Callable) -> Callable:
+    return lambda a, b, number: function(a)
+
+
+def _of_two(function: Callable) -> Callable:
+    return lambda a, b, number: function(a, b)
+
+
+_MEANINGS = {  # of the operands and of the number that the instruction holds
+    "add": _of_two(operator.add), "sub": _of_two(operator.sub), "mul": _of_two(operator.mul),
+    "signed mul": lambda a, b, number: fn.of_sign(a * b, a, b), "square": lambda a, b, number: a**2,
+    "negate": _of_one(operator.neg), "number": lambda a, b, number: number,
+    "add number": lambda a, b, number: a + number, "mul number": lambda a, b, number: a * number,
+    "over number": lambda a, b, number: fn.quotient(a, number), "div": _of_two(fn.quotient),
+    "number over": lambda a, b, number: fn.quotient(number, a),
+    "power": lambda a, b, number: whole_power(a, dr.uint32_array_t(type(number))(number)),
+    **{name: _of_one(getattr(fn, name)) for name in ELEMENTARY},
+    **{name: _of_two(getattr(fn, name)) for name in ("minimum", "maximum", "atan2")},
+    "of sign": _of_two(fn.of_sign), "not negative": _of_one(fn.of_sign)}
+MEANINGS = [_MEANINGS[name] for name in OPERATIONS]
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from . import functions as fn
-from .polynomial import HIGHEST_DEGREE, NotAlgebraic
+from .polynomial import NotAlgebraic
 
-ALGEBRAIC = ("add", "sub", "mul", "square", "negate", "add number", "mul number", "over number", "number")  # of polynomials, too
-OPERATIONS = (*ALGEBRAIC, "signed mul", "div", "number over", "power", "sqrt", "sin", "cos", "tan", "exp", "log", "absolute",
-              "minimum", "maximum", "atan2", "of sign", "not negative")
+# of polynomials, too
+ALGEBRAIC = ("add", "sub", "mul", "square", "negate", "add number", "mul number", "over number", "number")
+ELEMENTARY = ("sqrt", "sin", "cos", "tan", "exp", "log", "absolute")
+OPERATIONS = (*ALGEBRAIC, "signed mul", "div", "number over", "power", *ELEMENTARY, "minimum", "maximum", "atan2", "of sign",
+              "not negative")
 LENGTH = 256  # instructions at most
 REGISTERS = 32
 
@@ -47,7 +49,7 @@ class Program:
 class _Writer:
     def __init__(self, polynomial: bool, signs: bool = False):
         self.polynomial, self.signs = polynomial, signs  # whether it matters that a number is not negative
-        self.steps: list[tuple[str, int, int, float]] = []  # operation, operands, number; values are the coordinates, then steps
+        self.steps: list[tuple[str, int, int, float]] = []  # operation, places of its operands, number; place 3 is the first's
 
     def write(self, function: Callable) -> None:
         value = function(*(Written(self, k) for k in range(3)))
@@ -131,8 +133,6 @@ class Written:
         if self.writer.polynomial:
             half = self ** (n // 2)
             return half * half * self if n % 2 else half * half
-        if n > HIGHEST_DEGREE:
-            raise Unwritable(f"the power {n}")
         return self.writer.step("power", self, number=float(n))
 
     def of_sign(self, *parts):
@@ -175,5 +175,5 @@ def _elementary(name: str):
     return lambda self: self.writer.step(name, self)
 
 
-for _name in ("sqrt", "sin", "cos", "tan", "exp", "log", "absolute"):
+for _name in ELEMENTARY:
     setattr(Written, _name, _elementary(_name))

@@ -29,16 +29,13 @@ def _is_short(surface: Surface) -> bool:
 
 
 class Interpreted:
-    """Stands in the place of `of` where families are made; Descartes' rule is asked first, whatever the function.
-
-    `literal` functions, of the paper's method, are not carried out.
-    """
+    """Stands in the place of `of` where families are made; Descartes' rule is asked first, whatever the function."""
 
     literal_parameters = False
     degree, bounded_quadric = HIGHEST_DEGREE, False
 
-    def __init__(self, of: Surface, family: str, arrays):
-        self.of, self.family, self.parameters = of, family, {}
+    def __init__(self, of: Surface, arrays):
+        self.of, self.family, self.parameters = of, "interpreted", {}
         regular, polynomial = programs_of(of)
         self.function = self.regular_form = Interpreter(regular, arrays)
         self.polynomial_form = Interpreter(polynomial, arrays, HIGHEST_DEGREE, max(of.degree or 1, 1) if _is_short(of) else 1)

@@ -1,7 +1,8 @@
-"""Small pictures of formulas: their functions are carried out as programs, in a kernel that all formulas share.
+"""Small pictures of a formula: its function is carried out as a program, in a kernel that all formulas share.
 
-A formula's own kernel takes LLVM as long as an interpreter's, but the interpreter's is compiled once. It is slower for every
-ray, so that larger pictures have kernels of their own. What is traced is the same function with the same roundings.
+LLVM takes about a second for a formula's own kernel, three times as long for the interpreter's, but for that only once. It
+is several times slower for every ray, so that larger pictures have kernels of their own, as have scenes with secondary rays,
+of which every generation has one. What is traced is the same function, with the same roundings and enclosures.
 """
 
 from __future__ import annotations
@@ -10,22 +11,27 @@ from collections.abc import Hashable
 from functools import cached_property
 
 from ..scene.model import Object, Scene
-from ..surfaces import Clipped, Csg, Expression
+from ..surfaces import Clipped, Expression
 from ..surfaces.interpreted import Interpreted, programs_of
 from .world import World
 
-MOST_RAYS = 20_000  # camera rays of a picture that is traced so; `raytruth bench formulas` shows both sides of it
+MOST_RAYS = 20_000  # camera rays: for about twice as many the interpreter takes as long as compiling does
+# what kernels read at run time, or never, under the methods that are interpreted
+NUMBERS = {"max_distance", "step_size", "tolerance", "max_iterations", "cutoff"}
 
 
 def is_interpreted(obj: Object) -> bool:
-    return isinstance(obj.surface, (Expression, Csg, Clipped)) and obj.first_hit is None and programs_of(obj.surface) is not None
+    """Whether the surface of `obj` is a formula, clipped or not, that the interpreter can carry out."""
+    formula = obj.surface.of if isinstance(obj.surface, Clipped) else obj.surface
+    return isinstance(formula, Expression) and obj.first_hit is None and programs_of(obj.surface) is not None
 
 
 def worth_it(scene: Scene, method: str) -> bool:
-    """Whether `scene` is traced by an interpreter."""
-    camera, tracing = scene.camera, scene.tracing
-    return (method == "exact" and camera.width * camera.height * tracing.samples**2 <= MOST_RAYS
-            and any(map(is_interpreted, scene.objects)))
+    """Whether the interpreter traces `scene`: a small picture of one formula, nothing of it reflecting or transparent."""
+    camera, samples = scene.camera, scene.tracing.samples
+    return (method == "exact" and scene.tracing.precision == 64 and camera.width * camera.height * samples**2 <= MOST_RAYS
+            and not any(o.material.reflection or o.material.transparency for o in scene.objects)
+            and sum(map(is_interpreted, scene.objects)) == 1)
 
 
 class InterpretingWorld(World):
@@ -34,8 +40,7 @@ class InterpretingWorld(World):
     def traced(self, obj: Object) -> Object:
         if not is_interpreted(obj):
             return obj
-        number = sum(map(is_interpreted, self.scene.objects[:self.scene.objects.index(obj)]))
-        return obj.model_copy(update={"surface": Interpreted(obj.surface, f"interpreted {number}", self.arrays)})
+        return obj.model_copy(update={"surface": Interpreted(obj.surface, self.arrays)})
 
     @cached_property
     def structure(self) -> Hashable:
@@ -46,5 +51,4 @@ class InterpretingWorld(World):
                      family.method.name)
             own = [scene.objects[k] for k in family.indices]
             families.append((*shape, *("" if is_interpreted(o) else o.surface.model_dump_json() for o in own)))
-        return (self.method, scene.tracing.model_dump_json(), any(scene.background), self.reflective, self.transparent,
-                tuple(families))
+        return self.method, scene.tracing.model_dump_json(exclude=NUMBERS), any(scene.background), tuple(families)

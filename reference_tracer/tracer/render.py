@@ -77,16 +77,17 @@ class Picture:
 
 
 def render(scene: Scene, method: str = "exact", *, precision: int | None = None, device: str = "llvm",
-           threads: int | None = None, planes: Sequence[str] = PLANES,
-           progress: Callable[[float], None] | None = None, watch: Watch | None = None) -> Picture:
+           threads: int | None = None, planes: Sequence[str] = PLANES, progress: Callable[[float], None] | None = None,
+           watch: Watch | None = None, interpret: bool | None = None) -> Picture:
     """Renders `scene` with a first-hit method ("paper", "exact", ...); see `Renderer` for rendering it again.
 
     `precision` 64 or 32 stands in for the scene's own, `planes` are those wanted. `progress` is called with the
-    finished fraction after every wave of rays; `watch` sees, and may disturb, every wave of rays. Raises InputError for an
-    unknown method or an unusable device.
+    finished fraction after every wave of rays; `watch` sees, and may disturb, every wave of rays. `interpret` tells whether
+    formulas are interpreted, by kernels that they share, or compiled; None: as interpreting.worth_it has it. Raises InputError
+    for an unknown method or an unusable device.
     """
     start = time.perf_counter()
-    picture = Renderer(scene, method, precision=precision, device=device, threads=threads).picture(
+    picture = Renderer(scene, method, precision=precision, device=device, threads=threads, interpret=interpret).picture(
         planes, progress, watch)
     picture.metadata["seconds"] = time.perf_counter() - start
     return picture
@@ -124,18 +125,19 @@ def _shared_recordings(world: InterpretingWorld) -> Recordings:
 class Renderer:
     """A scene made ready for rendering: what is recorded for one picture is replayed for the next.
 
-    `world` may be a tracer that differs in a query or a formula, for showing what a fault does.
+    `world` may be a tracer that differs in a query or a formula, for showing what a fault does; `interpret` as in `render`.
     Raises InputError for an unknown method or an unusable device.
     """
 
     def __init__(self, scene: Scene, method: str = "exact", *, precision: int | None = None, device: str = "llvm",
-                 threads: int | None = None, world: type[World] = World):
+                 threads: int | None = None, world: type[World] = World, interpret: bool | None = None):
         self.precision = precision or scene.tracing.precision
         self.scene, self.method, self.device = scene, method, device
-        interprets = world is World and (self.precision, device) == (64, "llvm") and worth_it(scene, method)
-        self.world = (InterpretingWorld if interprets else world)(scene, method, backend(self.precision, device))
+        if interpret is None:
+            interpret = world is World and (self.precision, device) == (64, "llvm") and worth_it(scene, method)
+        self.world = (InterpretingWorld if interpret else world)(scene, method, backend(self.precision, device))
         self.threads = use_threads(threads)
-        self.recordings = _shared_recordings(self.world) if interprets else Recordings(self.world)
+        self.recordings = _shared_recordings(self.world) if interpret else Recordings(self.world)
         self._watched: dict[int, Wavefront] = {}  # of recorders
 
     def show(self, scene: Scene, world: type[World] = World) -> None:
