@@ -16,8 +16,8 @@ from raytruth.reference_tracer.tracer.render import render
 SIZE = 80, 60
 TERMS = (  # what is added to a ball; half of them are polynomials, as are half of the formulas that people write
     "{a}^{m}*{b}", "{a}*{b}*{c}", "({a}^2 - {b}^2)^{n}", "({a} + {b})^{m}", "{a}^2*{b}^2", "({a}^2 + {b}*{c} - {k})^2",
-    "sin({m}*{a})*cos({n}*{b})", "exp({a} - {b}^{n})", "sqrt({a}^2 + {b}^2 + {k})", "abs({a} + {k}*{b})", "max({a}, {b}*{c}, {k})",
-    "{a}/({b}^2 + {k})")
+    "sin({m}*{a})*cos({n}*{b})", "exp({a} - {b}^{n})", "sqrt({a}^2 + {b}^2 + {k})", "abs({a} + {k}*{b})",
+    "max({a}, {b}*{c}, {k})", "{a}/({b}^2 + {k})")
 
 
 def formulas() -> Iterator[Expression]:
