@@ -109,7 +109,7 @@ def _looked_at(polynomial, u, w, noise, settled, side):
     if not isinstance(polynomial, OfDegree):
         return look(polynomial.c, *segment)
     looks = [lambda a, *segment, n=n: look(a[:n + 1], *segment) for n in range(1, polynomial.degree + 1)]
-    return dr.switch(polynomial.number - 1, looks, list(polynomial.c), *segment)
+    return dr.switch(polynomial.actual - 1, looks, list(polynomial.c), *segment)
 
 
 def _bernstein(a, u, w, noise):

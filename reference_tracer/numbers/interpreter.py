@@ -127,7 +127,7 @@ class Interpreter:
     """
 
     def __init__(self, program: Program, arrays, highest: int = 0, degree: int = 0):
-        self.Float, self.UInt, self.highest, self.number = arrays.Float, arrays.UInt, highest, arrays.count(degree)
+        self.Float, self.UInt, self.highest, self.degree = arrays.Float, arrays.UInt, highest, arrays.count(degree)
         rest = LENGTH - len(program.words)  # kernels are recorded for arrays of one length
         self.words, self.numbers = arrays.UInt([*program.words] + [0] * rest), arrays.Float([*program.numbers] + [0.0] * rest)
         self.count = arrays.count(len(program.words))
@@ -135,7 +135,7 @@ class Interpreter:
 
     @property
     def variables(self) -> list:
-        return [self.words, self.numbers, self.count, self.number]
+        return [self.words, self.numbers, self.count, self.degree]
 
     def __call__(self, *point):
         shape = Shape.of(point[0], self.highest)
@@ -161,4 +161,4 @@ class Interpreter:
 
         _, registers = dr.while_loop((UInt(0), registers), lambda step, _: step < self.count, carry_out)
         value = shape.number([dr.select(self.count > 0, part, dr.nan) for part in vars(registers[0]).values()])
-        return value if shape.degree is None else OfDegree(value.c, self.number)
+        return value if shape.degree is None else OfDegree(value.c, self.degree)

@@ -18,7 +18,7 @@ class NotAlgebraic(TypeError):
     """The function is not a polynomial of its coordinates."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Polynomial:
     """c[0] + c[1] t + ... + c[n] t**n; coefficients are floats, arrays, intervals or exact rationals."""
 
@@ -94,8 +94,8 @@ class Polynomial:
     power = power_of = minimum = maximum = where_larger = floor = heaviside = atan2 = atan2_of = _not_algebraic
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class OfDegree(Polynomial):
     """A polynomial whose degree is known when a kernel runs: coefficients beyond it are zero."""
 
-    number: object  # UInt, the degree, from 1 up to `degree`
+    actual: object  # UInt, the degree, from 1 up to `degree`

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from . import functions as fn
 from .polynomial import NotAlgebraic
 
 # of polynomials, too
@@ -157,18 +156,13 @@ class Written:
     def atan2_of(self, y):
         return self.writer.number(y).atan2(self)
 
-    def power(self, exponent):
-        if fn.eighths(exponent) is not None:
-            raise Unwritable("a power by square roots")
-        return fn.exp(fn.log(self) * exponent)  # as intervals have it
-
     def power_of(self, base):
-        return self.writer.number(base).power(self)
+        return (self.writer.number(base).log() * self).exp()  # as intervals have it
 
     def _unwritable(self, *_):
         raise Unwritable("a function that jumps, or is rare")
 
-    cbrt = floor = heaviside = _unwritable
+    power = cbrt = floor = heaviside = _unwritable
 
 
 def _elementary(name: str):

@@ -9,7 +9,7 @@ from tracing_support import make_scene, thing
 from raytruth.reference_tracer.backend import backend
 from raytruth.reference_tracer.numbers import Dual, Interval, OutwardInterval, Polynomial, interpreter
 from raytruth.reference_tracer.numbers.interpreter import Interpreter
-from raytruth.reference_tracer.numbers.program import ALGEBRAIC, LENGTH, OPERATIONS, Program, Unwritable
+from raytruth.reference_tracer.numbers.program import LENGTH, OPERATIONS, Program
 from raytruth.reference_tracer.surfaces import Expression
 from raytruth.reference_tracer.surfaces.interpreted import HIGHEST_DEGREE, programs_of
 from raytruth.reference_tracer.tracer import render as rendering
@@ -126,7 +126,7 @@ def test_an_interval_without_the_signs_of_products_is_noticed(monkeypatch):
 
 
 def test_programs_that_are_too_long_or_do_what_is_no_operation_are_refused():
-    for formula in ("floor(x)", "cbrt(x) + y", "abs(x)**2.5 + y", "+".join(f"sin({k}*x)" for k in range(1, LENGTH // 3))):
+    for formula in ("floor(x)", "cbrt(x) + y", "abs(x)**2.5 + y", "x**y + z", "+".join(f"sin({k}*x)" for k in range(1, LENGTH // 3))):
         assert programs_of(Expression(formula=formula)) is None, formula
     nested = "x"
     for k in range(28):
@@ -162,9 +162,11 @@ def test_interpreted_and_compiled_pictures_are_equal_to_the_last_bit(written, li
             np.testing.assert_array_equal(found[1], meant[1], found[0])
 
 
-@pytest.mark.parametrize("formula", ["x^2 + y^2 + z^2 - 1", "z - x*y/3", "x + y - 2*z", "x^4/3 + y^4 + z^2/7 - 1"])
+@pytest.mark.parametrize("formula", ["x^2 + y^2 + z^2 - 1", "z - x*y/3", "x + y - 2*z", "x^4/3 + y^4 + z^2/7 - 1",
+                                     "e^z*cos(x) - cos(y)"])
 def test_where_another_way_is_the_compiled_one_pictures_agree_to_rounding(formula):
-    """Closed forms of quadrics, for which the interpreter asks Descartes' rule; quotients by numbers that compilers turn over."""
+    """Closed forms of quadrics, for which the interpreter asks Descartes' rule; quotients by numbers, which Dr.Jit turns over;
+    powers of numbers, whose slopes are rounded in another order."""
     found, meant = (render(scene(formula), interpret=way) for way in (None, False))
     np.testing.assert_array_equal(found.index, meant.index)
     np.testing.assert_array_equal(found.status, meant.status)
@@ -214,9 +216,3 @@ def test_a_recording_is_forgotten_when_many_others_came(monkeypatch):
     assert Renderer(scene("cos(x) + y")).recordings is first
     Renderer(scene("sin(x) + y", inside="positive"))
     assert Renderer(scene("sin(x) + y")).recordings is not first
-
-
-def test_a_function_that_is_no_longer_written_is_refused():
-    with pytest.raises(Unwritable):
-        Program.of(lambda x, y, z: x.floor())
-    assert set(ALGEBRAIC) < set(OPERATIONS)
