@@ -9,7 +9,6 @@ import importlib
 import importlib.util
 import inspect
 import sys
-from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,7 +28,6 @@ import test_wavefront_against_recursion as against_recursion
 
 from raytruth import reference_tracer
 from raytruth.reference_tracer.errors import InputError
-from raytruth.reference_tracer.tracer import render as rendering
 
 
 @dataclass
@@ -229,7 +227,6 @@ ORACLE = {  # what the fast tracer derives: the oracle has its own, and tells
 
 def put_in_place(mutant: Mutant, folder: Path, monkeypatch) -> None:
     """Replaces the functions and methods of one module by those of its mutant, wherever they have been imported."""
-    monkeypatch.setattr(rendering, "_shared", OrderedDict())  # recordings of the original
     package = Path(reference_tracer.__file__).parent
     sources = {path: path.read_text("utf-8") for path in package.rglob("*.py")
                if path.name != "recursive.py" and path.parent.name != "certify"}  # programs of their own
