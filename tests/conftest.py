@@ -1,11 +1,6 @@
 """Shared by all tests: Dr.Jit must find its LLVM before any test module imports it."""
 
-import os
-
 import pytest
-
-# most of the tests' time is the compiler's; test_repeatability.py holds pictures against those of wide kernels
-os.environ.setdefault("RAYTRUTH_NARROW_KERNELS", "1")
 
 from raytruth import reference_tracer  # noqa: F401  chooses the LLVM library
 
