@@ -39,7 +39,7 @@ ROW, COL = 12, 12  # where a channel is not finite
 FAR = (22, 30)  # the worst pixel of another cluster
 KINDS = ("index.html", "reading.html", "trust.html", SCENE, "matrix.html", "evidence.html", "evidence/shadow.html",
          "transport.html", "effects.html", "decisions.html", "stability.html", "speed.html", "speed/figure-05-sphere.html",
-         "plan.html")
+         "plan.html", "changes.html", "published.html")
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +75,17 @@ def site(tmp_path_factory, pictures):
     shape = test_report_plan.HEIGHT, test_report_plan.WIDTH
     store.save(folder / plan.planes, color=to_8_bit(np.full((*shape, 3), 0.5)), change=np.zeros(shape))
     planning.add(plan, folder)
-    return reports.build(folder, tmp_path_factory.mktemp("browser") / "html").parent
+    earlier = tmp_path_factory.mktemp("browser")  # one comparison was worse, one is new, one gone
+    changed = {"faulty": {"verdict": "agrees"}, "steps": {"id": "stairs"}}
+    documents.write(results.model_copy(update={"comparisons": [
+        c.model_copy(update=changed.get(c.id, {})) for c in results.comparisons]}), earlier)
+    return reports.build(folder, tmp_path_factory.mktemp("browser") / "html", against=earlier, to_come=3).parent
+
+
+def test_every_kind_of_page_is_looked_at(site):
+    from tools.screenshots import kinds
+
+    assert {page.rpartition("/")[0] or page for page in kinds(site)} == {page.rpartition("/")[0] or page for page in KINDS}
 
 
 @pytest.fixture(scope="module")
