@@ -5,5 +5,5 @@ import os as _os
 from . import llvm as _llvm
 
 _llvm.choose()  # before anything of ours imports drjit; backend.py refuses what somebody else has loaded before
-if _os.environ.get(_llvm.NARROW):
+if _os.environ.get(_llvm.NARROW) == "1":
     _llvm.narrow_kernels()

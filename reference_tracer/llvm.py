@@ -16,7 +16,7 @@ from pathlib import Path
 from .errors import InputError
 
 VARIABLE = "DRJIT_LIBLLVM_PATH"
-NARROW = "RAYTRUTH_NARROW_KERNELS"  # set: as if `narrow_kernels` were called first
+NARROW = "RAYTRUTH_NARROW_KERNELS"  # 1: as if `narrow_kernels` were called first; 0: as if nobody called it
 LANES = 4  # fp64 numbers in a register of AVX
 OLDEST = 16
 REMEDY = (f"install karellen-llvm-core (pip install karellen-llvm-core), or point {VARIABLE} at a libLLVM "
@@ -58,8 +58,11 @@ def narrow_kernels() -> None:
 
     For work in which each kernel sees few rays: those are compiled in about half the time and run by up to a fifth slower.
     Pictures in fp64 have the same bits; in fp32, where wide kernels divide by approximations, they may differ. To be called
-    before the first kernel. Without effect where Dr.Jit has no LLVM, or hides these functions of its. Imports Dr.Jit.
+    before the first kernel, for good. Without effect where NARROW is 0, and where Dr.Jit has no LLVM or hides these functions
+    of its. Imports Dr.Jit.
     """
+    if os.environ.get(NARROW) == "0":
+        return
     import drjit as dr
 
     if not dr.has_backend(dr.JitBackend.LLVM):

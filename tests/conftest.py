@@ -1,8 +1,14 @@
 """Shared by all tests: Dr.Jit must find its LLVM before any test module imports it."""
 
+import os
+
 import pytest
 
 from raytruth import reference_tracer  # noqa: F401  chooses the LLVM library
+from raytruth.reference_tracer import llvm
+
+# tests share processes, and a command that asks for narrow kernels changes fp32 in all later ones
+os.environ.setdefault(llvm.NARROW, "0")
 
 # files of tests that take more than some seconds together (`pytest --durations=0`): `make check` leaves them out
 SLOW = {

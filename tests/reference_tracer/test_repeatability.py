@@ -55,7 +55,10 @@ def test_two_processes_with_one_and_two_threads_render_the_same_bits(method, pre
 
 
 def test_narrow_kernels_are_narrow():
-    assert int(_run(LANES, narrow="1")) > 0
+    asked = "from raytruth.reference_tracer import llvm\nllvm.narrow_kernels()\n" + LANES
+    assert int(_run(LANES, narrow="1")) > 0 and int(_run(asked, narrow="")) > 0
+    wide = int(_run(LANES, narrow=""))
+    assert int(_run(asked, narrow="0")) == wide  # tests share a process, and Mitsuba's fp32 would change in all of them
 
 
 def _mirrors(**rest):
