@@ -15,6 +15,7 @@ import pytest
 from test_misbehaving import wait_until_gone
 
 from raytruth.cli import main
+from raytruth.comparisons import times
 from raytruth.comparisons.execution.store import Store
 from raytruth.comparisons.verdicts import conditioning
 from raytruth.reference_tracer.scene.load import parse_scene
@@ -25,7 +26,7 @@ BALL = json.dumps({
     "name": "ball", "camera": {"width": 16, "height": 12}, "tracing": {"step_size": 2.5, "max_distance": 10, "max_depth": 1},
     "objects": [{"surface": {"type": "sphere", "center": [0, 0, 3], "r": 1}}], "lights": [{"position": [2, 2, 0]}]})
 KINDS = ("runs/*.json", "runs/*.npz", "measured/*.json", "attributions/*.json", "histories/*.json", "results.json",
-         "matrix.json")
+         "matrix.json", "times.json")
 TIMES = ("created", "seconds", "machine", "timing", "cpu")
 
 
@@ -49,14 +50,14 @@ def whole(tmp_path_factory):
 
 
 def left(folder: Path) -> dict:
-    """All that is in `folder`, without times."""
+    """All that is in `folder`, without times: what a suite took has a file of its own."""
     def timeless(found):
         if isinstance(found, dict):
             return {name: timeless(value) for name, value in found.items() if name not in TIMES}
         return [timeless(value) for value in found] if isinstance(found, list) else found
 
     found = {}
-    for file in (file for file in folder.rglob("*") if file.is_file()):
+    for file in (file for file in folder.rglob("*") if file.is_file() and file != folder / times.FILE):
         if file.suffix == ".npz":
             content = {name: plane.tobytes() for name, plane in load_npz(file)[0].items() if isinstance(plane, np.ndarray)}
         else:  # what is kept has a line with checksums before its record
