@@ -82,15 +82,15 @@ def resized(scene, size: tuple[int, int] | None):
         raise InputError(f"--size: {one_line(error)}") from None
 
 
-def require_file(path: Path | None, suffix: str) -> None:
-    """Raises InputError unless a file of that suffix can be written to `path`: before the work, not after it."""
+def require_file(path: Path | None, *suffixes: str) -> None:
+    """Raises InputError unless a file of such a suffix can be written to `path`: before the work, not after it."""
     from raytruth.reference_tracer.errors import InputError
     from raytruth.reference_tracer.writing import writable
 
     if path is None:
         return
-    if path.suffix != suffix or not path.parent.is_dir():
-        raise InputError(f"{path}: must end in {suffix} and lie in an existing folder")
+    if path.suffix not in suffixes or not path.parent.is_dir():
+        raise InputError(f"{path}: must end in {' or '.join(suffixes)} and lie in an existing folder")
     if path.is_dir() or not writable(path):
         raise InputError(f"{path}: cannot be written; choose another file")
 

@@ -49,7 +49,7 @@ def single_file(report: Path, results: Results, scenes: Sequence[str], path: Pat
         main = f'<section class="headline"><h1>{count(len(chosen), "scene")}</h1><ul class="jumps">' + "".join(
             f'<li><a href="#{word}content">{escape(scene.title or scene.name)}</a></li>'
             for word, scene in zip(words.values(), chosen)) + "</ul></section>" + main
-    main = re.sub(r'<img src="([^"]+)"', lambda m: f'<img src="{_data(beside(m[1]))}"', main)
+    main = re.sub(r'<img src="([^"]+)"', lambda m: f'<img src="{data(beside(m[1]))}"', main)
     text = MAIN.sub(lambda m: m[1] + main, text).replace("</body>", f"{inline}</body>")
     with atomically(path) as part:
         part.write_text(text, encoding="utf-8", newline="\n")
@@ -75,5 +75,5 @@ def _text(path: Path, encoding: str = "utf-8") -> str:
     return path.read_text(encoding=encoding).replace("</script", "<\\/script")
 
 
-def _data(path: Path) -> str:
+def data(path: Path) -> str:
     return f"data:{KINDS[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode()}"

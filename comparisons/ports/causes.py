@@ -1,25 +1,28 @@
-"""From wrong pixels to their causes: which mistakes of the catalogue, made together, show what a picture shows.
+"""From wrong pixels to their causes: which mistakes of the catalogue, made together, show what pictures show.
 
 Sets of mistakes are tried on a few hundred pixels, right and wrong ones: each alone, the figures' switches in all
 combinations, then the best sets with one mistake more, less or other. What the best one leaves unexplained is looked at
 again with more weight. The result is verified on a larger sample, and a mistake without which as much is explained is
-dropped. Pixels whose right colour `mistaken.Tracers` misses itself are left out, and counted.
+dropped. Pixels whose right colour `mistaken.Tracers` misses itself are left out, and counted. Several pictures, and lists
+of rays, of one program are one question: what looks like two mistakes on one scene looks like one of them on another.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import numpy as np
 
 from raytruth.reference_tracer.scene.model import Scene
+from raytruth.reference_tracer.tracer.given_rays import GivenRays
 
 from .mistaken import Exhausted, Tracers
 from .mistakes import CATALOGUE, NOISY, SWITCHES, Mistakes, filed, moved, possible
 
 SCREENED, VERIFIED = 150, 5000  # failing pixels on which sets are tried, on which the result is verified, at 1 sample each
+OF_SEVERAL = 2  # times as many are tried of several pictures
 BESIDE = 0.35  # as many of those that pass, which mistakes must leave as they are
 BEAM = 3  # sets that go on from each round
 NOISY_COST = 20  # mistakes: what has several draws matches some pixels by chance
@@ -33,7 +36,7 @@ COST = 0.004  # of all pixels, that one more mistake has to explain
 FEWEST = 2  # pixels that a mistake has to explain
 ENGINE = 2e-4  # what `Tracers` leaves out of a colour, at most, see `least`
 # that a search may follow, counted in place of seconds, so that every machine finds the same: of the mistakes in
-# tests/comparisons/test_check_image.py, noise apart, the longest search follows 1.1 million
+# tests/ports/test_check_image.py, noise apart, the longest search follows 1.1 million
 MOST_RAYS = 1_600_000
 
 
@@ -63,51 +66,82 @@ class Causes:
 
 @dataclass(frozen=True)
 class Question:
-    """A picture that fails: arrays are (h, w, 3) and (h, w)."""
+    """A picture, or what rays meet, that fails: arrays are (h, w, channels) and (h, w), rays are those of a picture 1 high.
+
+    The channels are colours, or, where `hits`, the distance and the normal of what is met first, as `Tracers.hits` has them
+    (which way a normal points is told by the colours).
+    """
 
     scene: Scene
     shown: np.ndarray  # as the file has it
     truth: np.ndarray
     failing: np.ndarray
+    usable: np.ndarray  # pixels that can prove anything; the failing ones are among them
     levels: int | None  # of the file's whole numbers: 255, 65535; None of floats
     tolerance: float  # of the file
     literal: bool = False
+    given: GivenRays | None = None
+    hits: bool = False
+
+    @property
+    def samples(self) -> int:
+        """Rays from the camera for a pixel."""
+        return 1 if self.hits or self.given else self.scene.tracing.samples**2
 
 
-def of_the_file(q: Question) -> Causes | None:
-    """Mistakes that move or map finished pixels, tried on the whole picture: nothing has to be traced for them."""
-    height, width = q.failing.shape
-    ids = [id for id, m in _candidates(q).items() if m.stage == "file"]
-    every = np.arange(height * width)
-    few = np.random.default_rng(0).permutation(every)[:MAPPED]
+def aligned(hits: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """`hits` (..., 4) with their normals turned as those of `like` are."""
+    turn = (hits[..., 1:] * like[..., 1:]).sum(axis=-1, keepdims=True) < 0
+    return np.concatenate([hits[..., :1], np.where(turn, -1, 1) * hits[..., 1:]], axis=-1)
 
-    def tried(chosen: tuple[str, ...], pixels: np.ndarray) -> Causes:
-        mistakes, shown, failing = dict.fromkeys(chosen, 1.0), q.shown.reshape(-1, 3)[pixels], q.failing.ravel()[pixels]
-        color = q.truth[moved(mistakes, *np.divmod(pixels, width), height, width)]
+
+def found(questions: Sequence[Question]) -> Causes:
+    """Which mistakes one program has made that shows all this."""
+    mapped = of_the_file(questions)
+    return mapped if mapped else of_the_tracer(questions)
+
+
+def of_the_file(questions: Sequence[Question]) -> Causes | None:
+    """Mistakes that move or map finished pixels, tried on whole pictures: nothing has to be traced for them."""
+    pictures = [q for q in questions if not q.given and not q.hits and q.failing.any()]
+    if not pictures:
+        return None
+    ids = [id for id, m in _candidates(pictures).items() if m.stage == "file"]
+    every = [np.flatnonzero(q.usable) for q in pictures]
+    few = [np.random.default_rng(0).permutation(pixels)[:MAPPED // len(pictures)] for pixels in every]
+    count = sum(map(len, every))
+
+    def tried(chosen: tuple[str, ...], pixels: list[np.ndarray]) -> Causes:
+        mistakes, join = dict.fromkeys(chosen, 1.0), lambda parts: np.concatenate(list(parts))
+        shown = join(q.shown.reshape(-1, 3)[part] for q, part in zip(pictures, pixels))
+        failing = join(q.failing.ravel()[part] for q, part in zip(pictures, pixels))
+        color = join(q.truth[moved(mistakes, *np.divmod(part, q.failing.shape[1]), *q.failing.shape)]
+                     for q, part in zip(pictures, pixels))
+        tolerance = join(np.full(len(part), q.tolerance) for q, part in zip(pictures, pixels))
         if "scaled" in mistakes:
             mistakes["scaled"] = _factor(color, shown)
         with np.errstate(invalid="ignore"):
-            same = np.abs(filed(mistakes, color, q.levels) - shown).max(axis=-1) <= q.tolerance
+            same = np.abs(filed(mistakes, color, pictures[0].levels) - shown).max(axis=-1) <= tolerance
         return Causes(mistakes, int((same & failing).sum()), int(failing.sum()), int((~same & ~failing).sum()),
                       int((~failing).sum()), 0)
 
     best = None
     for size in (1, 2, 3):
         for chosen in combinations(ids, size):
-            if len(few) < len(every) and tried(chosen, few).share < NAMED:
+            if sum(map(len, few)) < count and tried(chosen, few).share < NAMED:
                 continue
             found = tried(chosen, every)
-            if found.broken <= (1 - ENOUGH) * len(every) and (best is None or found.explained > best.explained):
+            if found.broken <= (1 - ENOUGH) * count and (best is None or found.explained > best.explained):
                 best = found
         if best and best.share >= ENOUGH:
-            return _of_samples(best, q)
+            return _of_samples(best, pictures)
     return None
 
 
-def _of_samples(found: Causes, q: Question) -> Causes:
+def _of_samples(found: Causes, questions: Sequence[Question]) -> Causes:
     """A picture that is n times as bright as it should be at n x n samples has been divided by n instead of n^2."""
-    n = q.scene.tracing.samples
-    if n == 1 or abs(found.mistakes.get("scaled", 0) - n) > 0.01 * n:
+    n = questions[0].scene.tracing.samples
+    if n == 1 or len(questions) > 1 or abs(found.mistakes.get("scaled", 0) - n) > 0.01 * n:
         return found
     return replace(found, mistakes={"divided-by-n" if id == "scaled" else id: a for id, a in found.mistakes.items()})
 
@@ -117,13 +151,14 @@ def _factor(color: np.ndarray, shown: np.ndarray) -> float:
     return float(np.median(shown[usable] / color[usable])) if usable.any() else 1.0
 
 
-def _candidates(q: Question) -> dict:
-    """What can show in this picture, and in this kind of file."""
-    whole = ("truncated", "times-256", "wrapped")
+def _candidates(questions: Sequence[Question]) -> dict:
+    """What can show in one of these pictures, and in this kind of file."""
+    shows = {id for q in questions for id in possible(q.scene)}
     # colours above 1 are clamped by files of whole numbers anyway
-    return {id: m for id, m in possible(q.scene).items()
-            if not (id in whole and not q.levels) and not (id == "clipped" and q.levels)
-            and not (id in ("transposed", "scaled") and not (id == "scaled" or q.scene.camera.width == q.scene.camera.height))}
+    shows -= {"clipped"} if questions[0].levels else {"truncated", "times-256", "wrapped"}
+    if any(q.failing.shape[0] != q.failing.shape[1] for q in questions if not q.given):
+        shows -= {"transposed"}
+    return {id: m for id, m in CATALOGUE.items() if id in shows}
 
 
 @dataclass
@@ -138,16 +173,20 @@ class _Budget:
 
 
 class _Sample:
-    """Some pixels of a question, and what sets of mistakes show there."""
+    """Some pixels of each question, and what sets of mistakes show there."""
 
-    def __init__(self, q: Question, pixels: np.ndarray, budget: _Budget):
-        self.q, self.pixels, self.budget = q, pixels, budget
-        self.rows, self.columns = np.divmod(pixels, q.scene.camera.width)
-        self.shown, self.failing = q.shown.reshape(-1, 3)[pixels], q.failing.ravel()[pixels]
-        self.tolerance = q.tolerance + ENGINE * (1 if q.levels else 0.1)
+    def __init__(self, questions: Sequence[Question], pixels: Sequence[np.ndarray], budget: _Budget):
+        self.parts, self.budget = [(q, part) for q, part in zip(questions, pixels) if len(part)], budget
+        join = lambda arrays: np.concatenate([*arrays, np.zeros(0)])
+        self.failing = join(q.failing.ravel()[part] for q, part in self.parts).astype(bool)
+        self.tolerance = join(np.full(len(part), q.tolerance + ENGINE * (1 if q.levels else 0.1)) for q, part in self.parts)
+        self.levels = any(q.levels for q in questions)
 
     def differences(self, sets: list[Mistakes]) -> np.ndarray:
-        """(sets, pixels): how far each is from what the file shows, in its worst channel."""
+        """(sets, pixels): how far each is from what is shown, in its worst channel."""
+        return np.concatenate([self._of_one(q, part, sets) for q, part in self.parts], axis=1)
+
+    def _of_one(self, q: Question, pixels: np.ndarray, sets: list[Mistakes]) -> np.ndarray:
         expanded, owner = [], []
         for k, mistakes in enumerate(sets):
             draws = [mistakes]
@@ -157,21 +196,22 @@ class _Sample:
                     draws.append({i: a for i, a in mistakes.items() if i != id})
             expanded += draws
             owner += [k] * len(draws)
-        found = np.full((len(sets), len(self.pixels)), np.inf)
-        least = 1e-5 if self.q.levels else 1e-6
-        most = max(1, 40_000 // max(len(self.pixels) * self.q.scene.tracing.samples**2, 1))
+        found, shown = np.full((len(sets), len(pixels)), np.inf), q.shown.reshape(q.failing.size, -1)[pixels]
+        rows, columns = np.divmod(pixels, q.failing.shape[1])
+        most = max(1, 40_000 // (len(pixels) * q.samples))
         for start in range(0, len(expanded), most):
             part = expanded[start:start + most]
-            tracers = Tracers(self.q.scene, part, self.q.literal, least)
+            tracers = Tracers(q.scene, part, q.literal, 1e-5 if q.levels else 1e-6, q.given)
             try:
-                colors = tracers.colors(self.rows, self.columns)
+                seen = (tracers.hits if q.hits else tracers.colors)(rows, columns)
             except Exhausted:
                 continue
             finally:
                 self.budget.rays -= tracers.rays
             for j, mistakes in enumerate(part):
                 with np.errstate(invalid="ignore"):
-                    off = np.abs(filed(mistakes, colors[j], self.q.levels) - self.shown).max(axis=-1)
+                    there = aligned(seen[j], shown) if q.hits else filed(mistakes, seen[j], q.levels)
+                    off = np.abs(there - shown).max(axis=-1)
                 k = owner[start + j]
                 found[k] = np.fmin(found[k], np.where(np.isfinite(off), off, np.inf))
         return found
@@ -186,9 +226,9 @@ class _Sample:
         return self.differences(sets) <= self.tolerance
 
 
-def of_the_tracer(q: Question, seed: int = 0) -> Causes:
+def of_the_tracer(questions: Sequence[Question], seed: int = 0) -> Causes:
     """Which mistakes explain the failing pixels."""
-    return _of_samples(_Search(q, seed).causes(), q)
+    return _of_samples(_Search(questions, seed).causes(), questions)
 
 
 def _specks(q: Question, most: int) -> np.ndarray:
@@ -207,26 +247,36 @@ def _specks(q: Question, most: int) -> np.ndarray:
 
 
 class _Search:
-    def __init__(self, q: Question, seed: int):
-        self.q, self.random, self.budget = q, np.random.default_rng(seed), _Budget(MOST_RAYS)
-        self.candidates = _candidates(q)
-        n2 = q.scene.tracing.samples**2
-        failing, passing = np.flatnonzero(q.failing), np.flatnonzero(~q.failing)
-        most = max(SCREENED, VERIFIED // n2)
-        self.failing = self.random.permutation(failing)[:most]
-        if len(failing) > most:  # a mistake that shows in few pixels would be missed by chance
-            self.failing = np.union1d(self.failing, _specks(q, most // 8))
-        self.passing = self.random.permutation(passing)[:int(BESIDE * most)]
-        self.screened = max(40, min(SCREENED, 2 * SCREENED // n2))
-        pool = np.concatenate([self.failing, self.passing])
-        right = _Sample(Question(q.scene, q.truth, q.truth, q.failing, None, ENGINE, q.literal), pool, self.budget)
-        usable = right.matched([{}])[0]
-        self.left_out, self.pool = int((~usable).sum()), pool[usable]
+    def __init__(self, questions: Sequence[Question], seed: int):
+        self.questions, self.random, self.budget = questions, np.random.default_rng(seed), _Budget(MOST_RAYS)
+        self.candidates = _candidates(questions)
+        pools, several = [], len(questions) > 1
+        for q in questions:
+            most = max(SCREENED, VERIFIED // q.samples) // len(questions)
+            failing = self.random.permutation(np.flatnonzero(q.failing))
+            chosen = failing[:most]
+            if len(failing) > most and not several:  # a mistake that shows in few pixels would be missed by chance
+                chosen = np.union1d(chosen, _specks(q, most // 8))
+            passing = self.random.permutation(np.flatnonzero(q.usable & ~q.failing))[:int(BESIDE * most)]
+            pools.append(np.concatenate([chosen, passing]))
+        right = _Sample([replace(q, shown=q.truth, levels=None, tolerance=ENGINE) for q in questions], pools, self.budget)
+        usable = right.matched([{}])[0] if right.parts else np.zeros(0, bool)
+        self.left_out = int((~usable).sum())
+        self.owner = np.repeat(np.arange(len(questions)), [len(pool) for pool in pools])[usable]
+        self.pool = np.concatenate(pools)[usable]
+        self.failing = right.failing[usable]
+        rays = np.mean([questions[k].samples for k in self.owner]) if len(self.owner) else 1
+        self.screened = max(40, min(SCREENED, int(2 * SCREENED / rays))) * (OF_SEVERAL if several else 1)
+
+    def _sample(self, chosen: np.ndarray) -> _Sample:
+        """Some of the pool, by their numbers, which come in ascending order."""
+        return _Sample(self.questions, [self.pool[chosen[self.owner[chosen] == k]] for k in range(len(self.questions))],
+                       self.budget)
 
     def causes(self) -> Causes:
-        if not len(self.pool) or not self.q.failing.ravel()[self.pool].any():
+        if not self.failing.any():
             return Causes({}, 0, 0, 0, 0, self.left_out)
-        pool = _Sample(self.q, self.pool, self.budget)
+        pool = self._sample(np.arange(len(self.pool)))
         sample = self._screen(np.zeros(len(self.pool), bool))
         seeds = [{}, *self._singles(), *self._switches()]
         best, singles = self._climb(sample, seeds)
@@ -251,15 +301,22 @@ class _Search:
 
     def _screen(self, stressed: np.ndarray) -> _Sample:
         """Pixels to try on: half of them, if there are that many, from those that are `stressed`."""
-        failing = self.q.failing.ravel()[self.pool]
-        pick = lambda mask, most: self.random.permutation(np.flatnonzero(mask))[:most]
+        failing = self.failing
+        pick = lambda mask, most: self._evenly(self.random.permutation(np.flatnonzero(mask)))[:most]
         chosen = pick(stressed, self.screened // 2)
         rest = np.setdiff1d(np.arange(len(self.pool)), chosen)
         mask = np.zeros(len(self.pool), bool)
         mask[rest] = True
         chosen = np.concatenate([chosen, pick(mask & failing, self.screened - len(chosen)),
                                  pick(mask & ~failing, int(BESIDE * self.screened))])
-        return _Sample(self.q, self.pool[np.unique(chosen)], self.budget)
+        return self._sample(np.unique(chosen))
+
+    def _evenly(self, chosen: np.ndarray) -> np.ndarray:
+        """The same, the first of each question before the second of any."""
+        turn, seen = np.empty(len(chosen), int), np.zeros(len(self.questions), int)
+        for k, owner in enumerate(self.owner[chosen]):
+            turn[k], seen[owner] = seen[owner], seen[owner] + 1
+        return chosen[np.argsort(turn, kind="stable")]
 
     def _singles(self) -> list[Mistakes]:
         return [{id: a} for id, m in self.candidates.items() for a in (m.amounts if id not in NOISY else m.amounts[:1])]
@@ -322,10 +379,10 @@ class _Search:
             spread = 0.3
             while spread > 1e-7 and not self.budget.spent:
                 tries = [{**mistakes, id: mistakes[id] * (1 + spread * k / 4)} for k in range(-4, 5)]
-                near = max(3 * sample.tolerance, spread * 0.1)  # what is farther off has other causes
+                near = np.maximum(3 * sample.tolerance, spread * 0.1)  # what is farther off has other causes
                 loss = (np.minimum(sample.differences(tries), near)**2).mean(axis=1)
                 mistakes = tries[int(loss.argmin())]
-                if sample.q.levels and spread < 1e-4:
+                if sample.levels and spread < 1e-4:
                     break
                 spread /= 3
         return mistakes

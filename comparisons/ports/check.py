@@ -8,7 +8,9 @@ be acceptable are those of verdicts/judge.py: no more than are at the mercy of r
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,15 +20,17 @@ from raytruth.reference_tracer.tracer.sensitivity import PROBES
 from ..verdicts.conditioning import Limits, kinds
 from ..verdicts.metrics import largest_around
 from ..verdicts.tolerances import REPEATED
+from . import causes
 from .cases import Case
 from .document import CaseResult, Cause, Part
-from .image_check import likely_cause
+from .mistakes import CATALOGUE, possible
 from .protocol import METHODS, Declaration, Question, Reply
 from .session import Failure, Port
 from .truth import Truths, answered, decided
 
 FEWEST = 8  # different numbers, from which on it is no accident that all of them are short
-EXPLAINED = 4  # pictures of which the cause is looked for
+EXPLAINED = 16  # cases of which the cause is looked for
+OF_PICTURES = ("camera", "sampling", "file")  # stages that given rays do not pass
 PATIENCE = 3  # failures of the process in a row, after which nothing more is asked
 STAGES = {"object": ("hit", "what a ray hits first (sections 4.1, 4.2)"), "distance": ("root", "where it hits (section 4.2)"),
           "normal": ("normal", "the normal there (decision N1)"), "color": ("shading", "the colour (section 4.3)")}
@@ -34,11 +38,20 @@ EFFECT_STAGES = {"shadow": "shadow rays (section 4.3.1)", "reflection": "reflect
                  "refraction": "refraction rays and total reflection (section 4.3.3)"}
 
 
+@dataclass(frozen=True, eq=False)
+class Failed:
+    """What a port answered wrongly."""
+
+    case: Case
+    reply: Reply
+
+
 def check(port: Port, declared: Declaration, cases: Sequence[Case], truths: Truths, seconds: float,
-          known: frozenset[str] = frozenset(), told: Callable[[CaseResult], None] = lambda result: None) -> list[CaseResult]:
-    """The verdict on every case, in their order; `seconds` are those a case may take, `known` the ids that may fail."""
+          known: frozenset[str] = frozenset(), told: Callable[[CaseResult], None] = lambda result: None,
+          kept: list[Failed] | None = None) -> list[CaseResult]:
+    """The verdict on every case, in their order; `seconds` are those a case may take, `known` the ids that may fail. Wrong
+    answers are added to `kept`."""
     results, failures = [], 0
-    kept: dict[str, np.ndarray] = {}  # colours of pictures that fail
     for case in cases:
         start = time.monotonic()
         if (why := case.lacks(declared)) is not None:
@@ -50,23 +63,74 @@ def check(port: Port, declared: Declaration, cases: Sequence[Case], truths: Trut
             failures = failures + 1 if result.verdict in ("crashed", "timeout", "malformed") else 0
         results.append(result.model_copy(update={"seconds": round(time.monotonic() - start, 3), "known": case.id in known}))
         told(results[-1])
-    return _with_causes(results, cases, kept)
+    return results
 
 
 def asked(port: Port, declared: Declaration, case: Case, truths: Truths, seconds: float,
-          kept: dict[str, np.ndarray]) -> CaseResult:
-    """The verdict on one case; a picture that fails is kept."""
+          kept: list[Failed] | None = None) -> CaseResult:
+    """The verdict on one case; a wrong answer is added to `kept`."""
     found = port.answer(question(case), seconds)
     if isinstance(found, Failure):
         return _result(case, found.verdict, found.message)
     if found.unsupported is not None:
         return _result(case, "skipped", f"the port says: {found.unsupported}")
     result = judged(case, found, declared.precision, truths)
-    if result.verdict == "fail" and (cause := _coarse(found, declared.precision)):
-        return result.model_copy(update={"causes": [cause]})
-    if result.verdict == "fail" and case.rays is None:
-        kept[case.id] = found.arrays["color"]
+    if result.verdict in ("fail", "non-finite") and kept is not None:
+        kept.append(Failed(case, found))
     return result
+
+
+# --- which mistakes show this ------------------------------------------------------------------------------------------------
+def likely(failed: Sequence[Failed], precision: int, truths: Truths) -> list[Cause]:
+    """The mistakes that together explain what a port has answered wrongly, what most hangs on first; none where no known
+    ones do. It takes seconds."""
+    coarse = Counter(cause for f in failed if (cause := _coarse(f.reply, precision)))
+    if coarse:
+        return [coarse.most_common(1)[0][0]]
+    questions = [q for f in _telling(failed) for q in _questions(f, precision, truths)]
+    found = causes.found(questions) if questions else None
+    if not found or not found.names:
+        return []
+    share = lambda id: found.shares.get(id, found.share)
+    return [Cause(id=id, sentence=CATALOGUE[id].sentence, share=share(id))
+            for id in sorted(found.mistakes, key=share, reverse=True)]
+
+
+def _telling(failed: Sequence[Failed]) -> list[Failed]:
+    """EXPLAINED of them at most, on which every mistake can show if it can on any, and that are alike as little as possible."""
+    shows = {f.case.id: [id for id, m in possible(f.case.scene).items() if f.case.rays is None or m.stage not in OF_PICTURES]
+             for f in failed}
+    left, chosen, shown = list(failed), [], Counter()
+    while left and len(chosen) < EXPLAINED:
+        chosen.append(max(left, key=lambda f: sum(1 / (1 + shown[id]) for id in shows[f.case.id])))
+        left.remove(chosen[-1])
+        shown.update(shows[chosen[-1].case.id])
+    return chosen
+
+
+def _questions(failed: Failed, precision: int, truths: Truths) -> Iterator[causes.Question]:
+    """The colours, and what is met first, of one answer, without what hangs on rounding; each where it is wrong."""
+    case, truth = failed.case, truths.planes(failed.case)
+    answer = {name: array.reshape(truth[name].shape) for name, array in failed.reply.arrays.items()}
+    limits = _no_less_than(truths.limits(case, precision))
+    around = limits.risk if case.rays else largest_around(limits.risk)
+    sure, right = decided(truth) & (around == 0), kinds(truth, answer, limits, tells_depth=False)
+    made = lambda shown, wanted, within, limit, hits: causes.Question(
+        case.scene, shown, wanted, usable & ~within, usable, None, float(np.median(limit[usable])),
+        METHODS[case.level] == "paper", case.rays, hits)
+    usable = sure & np.isfinite(answer["color"]).all(axis=-1)
+    if (usable & ~right["color"][0]).any():
+        yield made(answer["color"], truth["color"], right["color"][0], limits.color, False)
+    if not {"index", "t", "normal"} <= set(answer):
+        return
+    wanted, shown = (np.where(planes["index"][..., None] >= 0, np.concatenate([planes["t"][..., None], planes["normal"]], -1), 0.0)
+                     for planes in (truth, answer))
+    shown = causes.aligned(shown, wanted)
+    usable = sure & np.isfinite(shown).all(axis=-1) & np.isfinite(wanted).all(axis=-1)
+    within = right["object"][0] & (np.abs(shown - wanted)[..., 0] <= limits.t) & (
+        np.linalg.norm((shown - wanted)[..., 1:], axis=-1) <= limits.normal)
+    if (usable & ~within).any():
+        yield made(shown, wanted, within, np.maximum(limits.t, limits.normal), True)
 
 
 def _coarse(answer: Reply, precision: int) -> Cause | None:
@@ -176,20 +240,6 @@ def _effect(case: Case, wrong: np.ndarray) -> tuple[str, str]:
               for effect, on in depends.items()}
     best = max(shares, key=shares.get)
     return best, EFFECT_STAGES[best]
-
-
-def _with_causes(results: list[CaseResult], cases: Sequence[Case], kept: dict[str, np.ndarray]) -> list[CaseResult]:
-    """The results, with the mistakes that would explain them on those pictures that tell most: where most pixels differ, one a
-    stage before a second one. It takes seconds a picture."""
-    if any(r.causes for r in results):
-        return results
-    by_id, worst = {case.id: case for case in cases}, sorted(
-        (r for r in results if r.id in kept), key=lambda r: -r.differing)
-    first = [next(r for r in worst if r.stage == stage) for stage in dict.fromkeys(r.stage for r in worst)]
-    chosen = [*first, *(r for r in worst if r not in first)][:EXPLAINED]
-    found = {r.id: [Cause(id=id, sentence=sentence, share=float(share)) for id, sentence, share in likely_cause(
-        by_id[r.id].scene, METHODS[by_id[r.id].level], kept[r.id])] for r in chosen}
-    return [r.model_copy(update={"causes": found[r.id]}) if r.id in found else r for r in results]
 
 
 def _places(case: Case) -> str:

@@ -35,7 +35,7 @@ class Part(Record):
 
 
 class Cause(Record):
-    """A mistake that would explain the picture: `share` of what differs."""
+    """A mistake that explains wrong answers: `share` of what differs would be unexplained without it."""
 
     id: str
     sentence: str
@@ -55,7 +55,6 @@ class CaseResult(Record):
     expected: list[float] | None = None
     got: list[float] | None = None
     bound: float | None = None
-    causes: list[Cause] = []
     pixels: int = 0
     differing: int = 0
     acceptable: int = 0
@@ -75,6 +74,7 @@ class Check(Record):
     port: Declaration | None
     message: str = ""  # why nothing was asked
     results: list[CaseResult]
+    causes: list[Cause] = []  # together, what most hangs on first
 
     @property
     def counts(self) -> Counter:
@@ -95,14 +95,6 @@ class Check(Record):
         """Whether nothing failed that was not listed, nothing passes that was, and something was judged at all."""
         judged = any(r.verdict != "skipped" for r in self.results)
         return judged and not self.broken and not self.mended and not self.message
-
-    @property
-    def causes(self) -> list[Cause]:
-        """The mistakes that pictures show, those that most of them show first, each with its largest share."""
-        found = [cause for result in self.results for cause in result.causes]
-        counts = Counter(cause.id for cause in found)
-        best = {cause.id: cause for cause in sorted(found, key=lambda c: c.share)}
-        return sorted(best.values(), key=lambda c: (-counts[c.id], -c.share))
 
     @property
     def sentence(self) -> str:

@@ -7,7 +7,7 @@ figures are made: each is a truth of its own, and the one that the picture is ne
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from raytruth.reference_tracer.tracer.sensitivity import sensitivity
 
 from ..verdicts.metrics import uniform_around
 from ..verdicts.tolerances import REPEATED
-from .causes import ENOUGH, Causes, Question, of_the_file, of_the_tracer
+from .causes import ENOUGH, Causes, Question
+from .causes import found as found_causes
 from .mistakes import CATALOGUE
 from .picture import FinishedPicture
 
@@ -130,8 +131,8 @@ def sized(scene: Scene, width: int, height: int) -> Scene:
 
 
 def check(picture: FinishedPicture, scene: Scene, progress: Callable[[str], None] = lambda what: None,
-          causes: bool = True) -> tuple[Checked, np.ndarray, np.ndarray]:
-    """The verdict on `picture`, and (h, w) the errors and which of the failing pixels are undecided.
+          causes: bool = True) -> tuple[Checked, Held]:
+    """The verdict on `picture`, and the truth that it was held against.
 
     Raises InputError where the scene cannot be rendered at the picture's size.
     """
@@ -170,17 +171,7 @@ def check(picture: FinishedPicture, scene: Scene, progress: Callable[[str], None
         told=tuple(told), causes=_causes(named), explained=named.explained if named else 0,
         traced=found.failing if found else 0, spoiled=named.broken if named else 0, beside=named.passing if named else 0,
         note=note, alternatives=tuple(CATALOGUE[id].sentence for id in named.alternatives) if named else (),
-        where=classes), np.where(finite, held.error, np.nan), undecided
-
-
-def likely_cause(scene: Scene, method: str, color: np.ndarray, levels: int | None = None) -> list[tuple[str, str, float]]:
-    """Mistakes that together explain how `color` (h, w, 3) differs from the truth of `scene`: id, sentence, and the share of
-    the failing pixels that would be unexplained without it; none where no known ones do."""
-    picture = FinishedPicture(np.asarray(color, float), levels, 64, ())
-    held = _held(picture, Form("", sized(scene, color.shape[1], color.shape[0])), method)
-    failing = held.differing & ~held.undecided
-    found, _ = _found(held, picture, failing) if failing.any() else (None, "")
-    return [(c.id, c.sentence, c.share) for c in _causes(found if found and found.names else None)]
+        where=classes), held
 
 
 def _nearest(picture: FinishedPicture, readings: list[Form], progress) -> tuple[Held, tuple[tuple[str, str, int], ...]]:
@@ -228,12 +219,8 @@ def _found(held: Held, picture: FinishedPicture, failing: np.ndarray) -> tuple[C
     # undecided pixels prove nothing about causes
     usable = ~held.undecided & finite & np.isfinite(held.truth.color).all(axis=-1)
     tolerance = float(held.tolerance.max())
-    question = Question(held.form.scene, np.where(usable[..., None], picture.color, np.nan_to_num(held.wanted)),
-                        np.nan_to_num(held.truth.color), wrong & usable, picture.levels, tolerance, held.method == "paper")
-    found = of_the_file(question)
-    if found is None or found.share < ENOUGH:
-        traced = of_the_tracer(replace(question, failing=question.failing))
-        found = traced if found is None or traced.share > found.share else found
+    found = found_causes([Question(held.form.scene, picture.color, np.nan_to_num(held.truth.color), wrong & usable, usable,
+                                   picture.levels, tolerance, held.method == "paper")])
     if not found.failing:
         return found, f"not measurable: none of the failing pixels could be traced again ({found.left_out} tried)"
     unfinished = "" if found.finished else " with the rays that it may follow; there may be more"

@@ -16,6 +16,7 @@ import numpy as np
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.scene.placement import is_inside
 from raytruth.reference_tracer.tracer.camera import frame
+from raytruth.reference_tracer.tracer.given_rays import GivenRays
 
 from .mistakes import Mistakes, filed, moved
 from .shapes import Shape
@@ -50,11 +51,13 @@ class Rays:
 class Tracers:
     """Tracers of one scene, each with the mistakes that one entry of `sets` has.
 
-    `literal`: hits as the document's steps see them, two changes of sign in one step unseen.
+    `literal`: hits as the document's steps see them, two changes of sign in one step unseen. Where rays are `given`, they
+    take the camera's place, one a column, and no mistake of the camera shows.
     """
 
-    def __init__(self, scene: Scene, sets: Sequence[Mistakes], literal: bool = False, least: float = 1e-5):
-        self.scene, self.sets, self.least = scene, sets, least
+    def __init__(self, scene: Scene, sets: Sequence[Mistakes], literal: bool = False, least: float = 1e-5,
+                 given: GivenRays | None = None):
+        self.scene, self.sets, self.least, self.given = scene, sets, least, given
         self.shapes = [Shape(o) for o in scene.objects]
         ids = {id for s in sets for id in s}
         self.amounts = {id: np.array([s.get(id, 0.0) for s in sets]) for id in ids}
@@ -82,10 +85,8 @@ class Tracers:
 
     def colors(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """(tracers, pixels, 3): the linear colours at these places of the file, before what `mistakes.filed` does."""
-        self.pixels = len(rows)
-        film = np.zeros((3, len(self.sets) * self.pixels))
-        rays = self._camera(rows, columns)
-        generation = 0
+        film = np.zeros((3, len(self.sets) * len(rows)))
+        rays, generation = self._first_rays(rows, columns), 0
         while len(rays):
             self.rays += len(rays)
             if self.rays > MOST_RAYS:
@@ -101,15 +102,42 @@ class Tracers:
             generation += 1
         return np.moveaxis(film.reshape(3, len(self.sets), self.pixels), 0, -1)
 
+    def hits(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """(tracers, pixels, 4): the distance and the normal of what is met first through the pixels' centres; 0 where that
+        is nothing."""
+        rays, parts = self._first_rays(rows, columns, centres=True), []
+        self.rays += len(rays)
+        for start in range(0, len(rays), TOGETHER):
+            part = rays.at(slice(start, start + TOGETHER))
+            who, found = part.slot // self.pixels, np.zeros((4, len(part)))
+            t, index = self._nearest(part, who)
+            met = np.flatnonzero(index >= 0)
+            some, t = part.at(met), t[met]
+            normal, _ = self._normal(some, who[met], some.o + t * some.d, index[met])
+            found[:, met] = t, *normal
+            parts.append(found)
+        return np.moveaxis(np.concatenate(parts, axis=1).reshape(4, len(self.sets), self.pixels), 0, -1)
+
+    def _first_rays(self, rows, columns, centres: bool = False) -> Rays:
+        self.pixels = len(rows)
+        return self._camera(rows, columns, centres) if self.given is None else self._given(columns)
+
+    def _given(self, columns) -> Rays:
+        o, d = self.given.o[columns], self.given.d[columns]
+        sides = np.array([[is_inside(obj, point) for point in o] for obj in self.scene.objects], bool)
+        repeated = lambda array: np.tile(array, len(self.sets))
+        return Rays(repeated(o.T), repeated(d.T), repeated(sides), np.repeat(self.max_distance, self.pixels),
+                    np.ones(len(self.sets) * self.pixels), np.arange(len(self.sets) * self.pixels))
+
     # --- section 2 -------------------------------------------------------------------------------------------------
-    def _camera(self, rows, columns) -> Rays:
+    def _camera(self, rows, columns, centres: bool) -> Rays:
         scene, parts = self.scene, []
         camera, n = scene.camera, scene.tracing.samples
         f = frame(camera)
         sides = np.array([[is_inside(o, camera.position)] for o in scene.objects], bool)
         for who, mistakes in enumerate(self.sets):
             row, column = moved(mistakes, rows, columns, camera.height, camera.width)
-            own, ratio, (v_x, v_y) = 1 if "one-sample" in mistakes else n, f.ratio, (f.v_x, f.v_y)
+            own, ratio, (v_x, v_y) = 1 if "one-sample" in mistakes or centres else n, f.ratio, (f.v_x, f.v_y)
             longer, shorter = max(camera.width, camera.height), min(camera.width, camera.height)
             span = 2 * math.tan(math.pi * camera.fov / 360)
             if "fov-not-halved" in mistakes and camera.fov < 90:
@@ -120,7 +148,7 @@ class Tracers:
                 ratio = span / max(longer - 1, 1)
             if "fixed-axes" in mistakes:
                 v_x, v_y = np.eye(3)[:2]
-            middle = 0.0 if "samples-at-corners" in mistakes or "pixel-corners" in mistakes else 0.5
+            middle = 0.0 if ("samples-at-corners" in mistakes and not centres) or "pixel-corners" in mistakes else 0.5
             share = 1 / (own if "divided-by-n" in mistakes else own * own)
             for i in range(own):
                 for j in range(own):
@@ -226,7 +254,10 @@ class Tracers:
 
         left = self.max_distance[who]
         if (m := self._of("range-per-path", who)) is not None:
-            left = np.where(m > 0, np.maximum(rays.limit - t, 0), left)
+            h = self.h[who]  # whole steps are used up where steps are taken
+            with np.errstate(divide="ignore", invalid="ignore"):
+                used = np.where(h > 0, np.minimum(np.ceil(t / h) * h, rays.limit), t)
+            left = np.where(m > 0, np.maximum(rays.limit - used, 0), left)
         own = (1 - R) * (1 - T)
         for id, weight in (("own-colour-in-full", 1 - T), ("own-colour-beside-t", 1 - R), ("weights-subtracted", 1 - R - T)):
             if (m := self._of(id, who)) is not None:

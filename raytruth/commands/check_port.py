@@ -27,6 +27,8 @@ from pathlib import Path
 
 from ..arguments import number, require_file, require_folder, sentence
 
+SHOWN = 12  # pictures on a page, those furthest off
+
 
 def add_arguments(parser):
     parser.add_argument("port", nargs=argparse.REMAINDER, metavar="-- CMD ...", help="the port, with its arguments")
@@ -42,6 +44,7 @@ def add_arguments(parser):
     parser.add_argument("--known-failures", metavar="FILE", type=Path, help="cases that may fail, and must")
     parser.add_argument("--write-known-failures", metavar="FILE.json", type=Path, help="list those that fail now")
     parser.add_argument("--junit", metavar="FILE.xml", type=Path, help="write JUnit XML")
+    parser.add_argument("--html", metavar="FILE.html", type=Path, help="write a page with everything, and maps of the errors")
     parser.add_argument("--badge", metavar="FILE.json", type=Path, help="write a badge in the endpoint form of shields.io")
     parser.add_argument("-o", "--results", type=Path, metavar="DIR", default=Path("results"),
                         help="folder for check-port.json and kept truths (default results)")
@@ -57,12 +60,13 @@ def run(arguments) -> int:
     command = arguments.port[1:] if arguments.port[:1] == ["--"] else arguments.port
     if not command:
         raise InputError("name the port's command after --, e.g. raytruth check-port -- ./tracer --serve")
-    for path, suffix in ((arguments.junit, ".xml"), (arguments.badge, ".json"), (arguments.write_known_failures, ".json")):
+    for path, suffix in ((arguments.junit, ".xml"), (arguments.badge, ".json"), (arguments.write_known_failures, ".json"),
+                         (arguments.html, ".html")):
         require_file(path, suffix)
     require_folder(arguments.results)
     known = document.read_known(arguments.known_failures) if arguments.known_failures else frozenset()
     with Progress(1.0, quiet=arguments.list) as bar:
-        found = _checked(arguments, command, known, bar)
+        found, failed, truths = _checked(arguments, command, known, bar)
     if arguments.list:
         return 0 if found.port else 1
     documents.write(found, arguments.results / "check-port.json")
@@ -70,14 +74,16 @@ def run(arguments) -> int:
         arguments.junit.write_bytes(document.junit(found))
     if arguments.badge:
         arguments.badge.write_text(json.dumps(document.badge(found)) + "\n")
+    if arguments.html:
+        _page(arguments, command, found, failed, truths)
     if arguments.write_known_failures:
         document.write_known(found, arguments.write_known_failures)
     if arguments.json:
         print(found.model_dump_json(indent=1))
     else:
         print(found.message or found.sentence)
-        for cause in found.causes[:4]:
-            print(f"it looks like this mistake: {cause.sentence} ({cause.id}, {cause.share:.0%} of what differs)")
+        for cause in found.causes:
+            print(f"it looks like this mistake: {_cause(cause)}")
         for id in found.mended:
             print(f"{id} is listed as failing, but passes: take it out of the list")
     return 0 if found.holds else 1
@@ -91,7 +97,8 @@ def _checked(arguments, command, known, bar):
     from raytruth.comparisons.ports.truth import Truths
     from raytruth.comparisons.suites import head
 
-    start, chosen, message, results = time.monotonic(), all_cases.chosen(arguments.only), "", []
+    start, chosen, message = time.monotonic(), all_cases.chosen(arguments.only), ""
+    results, causes, failed, truths = [], [], [], Truths(arguments.results)
     with _port(arguments, command) as port:
         if arguments.image_only:
             chosen = tuple(case for case in chosen if case.rays is None)
@@ -111,13 +118,14 @@ def _checked(arguments, command, known, bar):
                 if not arguments.json:
                     bar.log(_line(result, arguments, command))
 
-            results = check.check(port, declared, chosen, Truths(arguments.results), arguments.seconds, known, told)
+            results = check.check(port, declared, chosen, truths, arguments.seconds, known, told, failed)
+            causes = check.likely(failed, declared.precision, truths)
             if arguments.history:
                 bar.close()
                 _history(port, declared, chosen, arguments)
     if message and arguments.list:
         print(message)
-    return Check(**head(start), command=command, port=declared, message=message, results=results)
+    return Check(**head(start), command=command, port=declared, message=message, results=results, causes=causes), failed, truths
 
 
 def _port(arguments, command):
@@ -148,20 +156,49 @@ def _list(declared, chosen) -> None:
     print(f"{len(chosen) - skipped} of {len(chosen)} cases will run, {skipped} will be skipped")
 
 
+def _cause(cause) -> str:
+    return f"{cause.sentence} ({cause.id}; {cause.share:.0%} of what differs hangs on it)"
+
+
+def _page(arguments, command, found, failed, truths) -> None:
+    import numpy as np
+
+    from raytruth.reports import checked
+
+    def beside(case, reply):
+        truth = truths.planes(case)
+        index = reply.arrays.get("index", truth["index"])
+        return checked.Beside(case.id, truth["color"], reply.arrays["color"], (truth["index"] < 0) & (index < 0),
+                              truth["index"] != index, truth["status"] == 2)
+
+    pictures = sorted((f for f in failed if f.case.rays is None), key=lambda f: -np.nanmean(
+        np.abs(f.reply.arrays["color"] - truths.planes(f.case)["color"])))
+    rows = [checked.Row(r.verdict, (r.id, *filter(None, [sentence(r.message), *_details(r, arguments, command)])))
+            for r in found.results]
+    checked.write(arguments.html, f"{found.port.name if found.port else command[0]} against raytruth", found.holds,
+                  [found.message or found.sentence], [*map(_cause, found.causes)], rows,
+                  [beside(f.case, f.reply) for f in pictures[:SHOWN]])
+
+
 def _line(result, arguments, command) -> str:
     known = " (as listed)" if result.known else ""
-    lines = [sentence(f"{result.verdict + known:<11} {result.id:<52} {result.message}").rstrip()]
+    first = sentence(f"{result.verdict + known:<11} {result.id:<52} {result.message}").rstrip()
+    return "\n            ".join([first, *_details(result, arguments, command)])
+
+
+def _details(result, arguments, command) -> list[str]:
+    lines = []
     if result.where:
         numbers = lambda values: ", ".join(f"{v:.10g}" for v in values)
         bound = f", bound {result.bound:.2g}" if result.bound is not None else ""
-        lines.append(f"            {result.plane or 'color'} at {result.where.text}: expected {numbers(result.expected)}, "
+        lines.append(f"{result.plane or 'color'} at {result.where.text}: expected {numbers(result.expected)}, "
                      f"got {numbers(result.got)}{bound}")
     if result.verdict == "fail":
         import shlex
 
         place = f"{result.where.row},{result.where.col}" if result.where.row is not None else str(result.where.ray)
-        lines.append(f"            repeat: raytruth check-port --only {result.id} --history {place} -- {shlex.join(command)}")
-    return "\n".join(lines)
+        lines.append(f"repeat: raytruth check-port --only {result.id} --history {place} -- {shlex.join(command)}")
+    return lines
 
 
 def _history(port, declared, chosen, arguments) -> None:

@@ -1,14 +1,13 @@
 """What check-port asks and how it judges: right ports pass, one scene's truth fails as another's, mutants are named."""
 
 import json
-import subprocess
 import sys
 import time
 from pathlib import Path
 
 import numpy as np
-import port_mutants as mutants
 import pytest
+import wrong_ports
 
 from raytruth.cli import main
 from raytruth.comparisons.bench import port as cpp
@@ -16,6 +15,7 @@ from raytruth.comparisons.ports import cases as all_cases
 from raytruth.comparisons.ports import check, vectors
 from raytruth.comparisons.ports.cases import Case, chosen, small
 from raytruth.comparisons.ports.document import Check
+from raytruth.comparisons.ports.mistakes import SWITCHES
 from raytruth.comparisons.ports.protocol import Reply
 from raytruth.comparisons.ports.session import Port
 from raytruth.comparisons.ports.truth import Truths
@@ -24,7 +24,7 @@ from raytruth.reference_tracer.errors import InputError, MissingError
 from raytruth.reference_tracer.oracle.literal import LiteralSearch, point_color
 from raytruth.reference_tracer.scene import library
 
-NUMPY = [sys.executable, str(mutants.NUMPY_SOURCE)]
+NUMPY = [sys.executable, str(wrong_ports.NUMPY_SOURCE)]
 SOON = ["algorithm:surfaces", "algorithm:events", "algorithm:switches", "algorithm:pictures"]
 
 
@@ -136,7 +136,7 @@ def test_the_command_line_lists_repeats_and_exits(capsys, tmp_path):
 
 def test_a_port_may_draw_pictures_only(capsys, tmp_path):
     program = tmp_path / "draw.py"
-    program.write_text(f"import sys\nsys.path.insert(0, {str(mutants.NUMPY_SOURCE.parent)!r})\nimport numpy, tracer\n"
+    program.write_text(f"import sys\nsys.path.insert(0, {str(wrong_ports.NUMPY_SOURCE.parent)!r})\nimport numpy, tracer\n"
                        "color = tracer.answer(tracer.Scene(open(sys.argv[1]).read()))['color'][0]\nnumpy.save(sys.argv[2], color)\n")
     code = main(["check-port", "-o", str(tmp_path), "--only", "pictures", "--image-only", "--scenes", "text", "--pictures",
                  ".npy", "--level", "algorithm", "--precision", "64", "--", sys.executable, str(program)])
@@ -151,37 +151,35 @@ def test_a_port_may_draw_pictures_only(capsys, tmp_path):
 TELLING = ["algorithm:events", "algorithm:pictures", "algorithm:surfaces/heart", "algorithm:scenes/effect"]
 
 
-def mutant(kind, name, folder):
-    passage, instead, ids = (mutants.CPP if kind == "C++" else mutants.NUMPY)[name]
-    source = folder / ("mutant.cpp" if kind == "C++" else "mutant.py")
-    source.write_text(mutants.wrong(mutants.CPP_SOURCE if kind == "C++" else mutants.NUMPY_SOURCE, passage, instead))
-    if kind == "NumPy":
-        return [sys.executable, str(source)], ids
-    program = folder / "mutant"
-    subprocess.run(["g++", "-std=c++17", "-O2", "-pthread", source, "-o", program], check=True)
-    return [str(program), "--serve"], ids
+@pytest.fixture
+def command(request, tmp_path):
+    """Of a wrong port: the ids of C++ mistakes, or the name of a NumPy one."""
+    try:
+        return wrong_ports.wrong_numpy(request.param, tmp_path) if isinstance(request.param, str) else \
+            wrong_ports.serving(*request.param)
+    except MissingError as error:
+        pytest.skip(str(error))
 
 
-@pytest.mark.parametrize("kind, name", [*(("C++", name) for name in mutants.CPP), *(("NumPy", name) for name in mutants.NUMPY)])
-def test_a_classic_mistake_is_failed(kind, name, truths, tmp_path):
-    if kind == "C++":
-        try:
-            cpp.build()
-        except MissingError as error:
-            pytest.skip(str(error))
-    command, _ = mutant(kind, name, tmp_path)
+@pytest.mark.parametrize("command", [*((id,) for id in wrong_ports.IDS), *wrong_ports.NUMPY], indirect=True, ids=str)
+def test_a_classic_mistake_is_failed(command, truths):
     with Port(command) as port:
         declared = port.greet(60)
-        assert any(check.asked(port, declared, case, truths, 300, {}).verdict in ("fail", "non-finite")
+        assert any(check.asked(port, declared, case, truths, 300).verdict in ("fail", "non-finite")
                    for case in chosen(TELLING))
 
 
-@pytest.mark.parametrize("kind, name, case", [
-    ("NumPy", "blue first", "scenes/effect-shading"),
-    ("C++", "y flipped", "pictures/landscape"), ("C++", "misprint", "scenes/effect-refraction"),
-    ("C++", "no shadows", "scenes/effect-shadow"), ("C++", "fp32 where fp64 is claimed", "scenes/effect-shading"),
-    ("C++", "8-bit rounding", "scenes/effect-shading")])
-def test_a_classic_mistake_is_named(kind, name, case, truths, tmp_path):
-    command, ids = mutant(kind, name, tmp_path)
-    found = checked(command, chosen([f"algorithm:{case}"]), truths)
-    assert found.causes and found.causes[0].id in ids
+@pytest.mark.parametrize("command, ids, cases", [
+    ("blue first", ["blue-first"], ["scenes/effect-shading"]),
+    (("rows-from-the-bottom",), ["rows-from-the-bottom"], ["pictures/landscape"]),
+    (("snell-as-printed",), ["snell-as-printed"], ["events/refraction"]),
+    (("total-reflection-weighs-r",), ["total-reflection-weighs-r"], ["events/total-with-mirror", "events/leaving"]),
+    (("single-precision",), ["single-precision"], ["scenes/effect-shading"]),
+    (("eight-bits",), ["eight-bits"], ["scenes/effect-shading"]),
+    (SWITCHES, SWITCHES, [*TELLING, "algorithm:surfaces/heart"])], indirect=["command"], ids=str)
+def test_mistakes_are_named(command, ids, cases, truths):
+    kept = []
+    with Port(command) as port:
+        check.check(port, port.greet(60), chosen([f"algorithm:{case.removeprefix('algorithm:')}" for case in cases]), truths, 300,
+                    kept=kept)
+    assert {cause.id for cause in check.likely(kept, 64, truths)} == set(ids)

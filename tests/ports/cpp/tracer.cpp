@@ -292,7 +292,7 @@ struct Scene {
         double left = shared_range ? range - hit.used : max_distance;
         if (left < 1e-12 * max_distance) left = 0;
 
-        Vec illumination{ambient, ambient, ambient};  // F2
+        Vec illumination = Vec{1, 1, 1} * ambient;  // F2
         for (const Light& light : lights) {
             double distance = length(light.position - point);
             Vec shadow_dir = (light.position - point) * (1 / distance);

@@ -1,14 +1,20 @@
-"""Ports that are wrong on purpose: tests/ports/cpp/tracer.cpp with one classic mistake each.
+"""Ports that are wrong on purpose: the C++ and the NumPy port, with one classic mistake each or several.
 
-The text of the port is changed at one place a mistake; all changes are compiled into one program, and the environment
-chooses which holds. It shares no code with comparisons/ports/mistaken.py, which has to recognise what it shows.
+The text of the C++ port is changed at one place a mistake; all changes are compiled into one program, and the environment
+chooses which hold. It shares no code with comparisons/ports/mistaken.py, which has to recognise what it shows.
+
+    python tests/ports/wrong_ports.py [NAME ...]     how many check-port fails, and how many it names right; takes an hour
 """
 
 from __future__ import annotations
 
 import os
 import subprocess
+import sys
 import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -16,6 +22,11 @@ from pathlib import Path
 import numpy as np
 
 from raytruth.comparisons.bench import port
+from raytruth.comparisons.ports import check
+from raytruth.comparisons.ports.cases import chosen
+from raytruth.comparisons.ports.mistakes import SWITCHES
+from raytruth.comparisons.ports.session import Port
+from raytruth.comparisons.ports.truth import Truths
 from raytruth.converters.plain import plain
 from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
@@ -66,6 +77,13 @@ CROSSED = "if (inside != sides[k]) {\n                    "  # at a step, not at
 
 # what is changed for each mistake, by its id in the catalogue
 CHANGES: dict[str, tuple[Change, ...]] = {
+    "balanced-lights": (Change("balanced", "true", "illumination = "),),
+    "ambient": (Change("ambient", "0.07", "Vec illumination = Vec{1, 1, 1} * "),),
+    "glass-casts-no-shadow": (Change("opaque_only", "true", "!objects[k].shadow || ("),),
+    "range-per-path": (Change("shared_range", "true", "double left = "),),
+    "fixed-axes": (Change("cross(scene.up, v_dir)", "Vec{1, 0, 0}"), Change("cross(v_dir, v_x)", "Vec{0, 1, 0}")),
+    "first-in-the-list": (statement("if (root < hit.t) hit = {root, static_cast<int>(k), t};",
+                                    "if (hit.index < 0) hit = {root, static_cast<int>(k), t};"),),
     "snell-as-printed": (Change("as_printed ? n2 / n1 : n1 / n2", "n2 / n1"),
                          Change("as_printed ? 1 - sin2 * sin2 : std::max(1 - sin2 * sin2, 0.0)", "1 - sin2 * sin2")),
     "rows-from-the-bottom": (Change("ratio * (-row + scene.height * 0.5)", "ratio * (row - scene.height * 0.5)"),),
@@ -128,6 +146,15 @@ CHANGES: dict[str, tuple[Change, ...]] = {
                                   "camera.ray(scene, row + i / double(n), col + j / double(n))"),),
     "divided-by-n": (Change("1.0 / (n * n)", "1.0 / n"),),
 }
+STORED = "picture.color[pixel] = sum * (1.0 / (n * n));"
+MEAN = "Vec mean = sum * (1.0 / (n * n)); picture.color[pixel] = Vec{%s(mean.x%s), %s(mean.y%s), %s(mean.z%s)} * %s;"
+# what a file of 8 bits does not tell, or does anyway
+OF_ANSWERS = {
+    "gamma": (statement(STORED, MEAN % (*("std::pow", ", 1 / 2.2") * 3, "1")),),
+    "eight-bits": (statement(STORED, MEAN % (*("std::round", " * 255") * 3, "(1 / 255.0)")),),
+    "single-precision": (statement("t -= dt;", "t = static_cast<float>(t - dt);"),),
+}
+IDS = (*CHANGES, *OF_ANSWERS)  # in the order of their flags
 FLAGS = """
 #include <cstdlib>
 const std::string FLAG_TEXT = std::getenv("FLAG") ? std::getenv("FLAG") : "";
@@ -142,11 +169,6 @@ SIGNS = """    Sides signs(Vec o) const {
 """
 # what a scene itself can say: the right port, given another scene
 SCENES = {
-    "balanced-lights": lambda s: s.traced_with(lights="balanced"),
-    "ambient": lambda s: s.traced_with(ambient=0.07),
-    "glass-casts-no-shadow": lambda s: s.traced_with(shadows="opaque_only"),
-    "range-per-path": lambda s: s.traced_with(range="path"),
-    "fixed-axes": lambda s: _camera(s, v_x=(1.0, 0.0, 0.0), v_y=(0.0, 1.0, 0.0)),
     "step-size": lambda s: s.traced_with(step_size=2 * s.tracing.step_size),
     "max-distance": lambda s: s.traced_with(max_distance=s.tracing.max_distance / 2),
     "lights-exchanged": lambda s: s.model_copy(update={"lights": tuple(
@@ -178,10 +200,6 @@ def rounded(color: np.ndarray) -> np.ndarray:
     return np.rint(np.clip(color, 0, 1) * 255).astype(np.uint8)
 
 
-def _camera(scene: Scene, **changes) -> Scene:
-    return scene.model_copy(update={"camera": scene.camera.model_copy(update=changes)})
-
-
 @cache
 def program() -> Path:
     """All wrong ports in one program, compiled once; FLAG says which changes hold. Raises MissingError without a compiler."""
@@ -190,24 +208,33 @@ def program() -> Path:
         assert text.count(before) == 1
         text = text.replace(before, more + before)
     places: dict[tuple, dict[str, str]] = {}
-    for id, changes in CHANGES.items():
+    for id, changes in {**CHANGES, **OF_ANSWERS}.items():
         for c in changes:  # statements hold expressions, longer texts hold shorter ones
             places.setdefault((not c.statement, not c.before, -len(c.right), c.before, c.right), {})[id] = c.wrong
     for (expression, _, _, before, right), wrongs in sorted(places.items()):
         assert before + right in text, f"the port has no {before}{right}"
         made = right
         for id, wrong in wrongs.items():
-            flag = f"FLAG[{list(CHANGES).index(id)}]"
+            flag = f"FLAG[{IDS.index(id)}]"
             made = f"({flag} ? ({wrong}) : ({made}))" if expression else f"if ({flag}) {{ {wrong} }} else {{ {made} }}"
         text = text.replace(before + right, before + made)
     return port.compiled(text)
+
+
+def _flags(ids: Sequence[str]) -> str:
+    return "".join("1" if id in ids else "0" for id in IDS)
+
+
+def serving(*ids: str) -> list[str]:
+    """The command of a C++ port with these mistakes that speaks the protocol. Raises MissingError without a compiler."""
+    return ["env", f"FLAG={_flags(ids)}", str(program()), "--serve"]
 
 
 def color(ids: tuple[str, ...], scene: Scene) -> np.ndarray:
     """What a port with these mistakes, none of them one of a writer, makes of `scene`: (h, w, 3)."""
     for id in ids:
         scene = SCENES[id](scene) if id in SCENES else scene
-    made = {"FLAG": "".join("1" if id in ids else "0" for id in CHANGES)}
+    made = {"FLAG": _flags(ids)}
     with tempfile.TemporaryDirectory() as folder:
         text, raw = Path(folder) / "scene.txt", Path(folder) / "picture.raw"
         text.write_text(plain(scene), encoding="ascii")
@@ -220,3 +247,64 @@ def written(ids: tuple[str, ...], scene: Scene) -> np.ndarray:
     """The bytes that a port with these mistakes writes: (h, w, 3) uint8."""
     writer = next((WRITERS[id] for id in ids if id in WRITERS), rounded)
     return writer(color(ids, scene))
+
+
+# --- the NumPy port --------------------------------------------------------------------------------------------------------
+NUMPY_SOURCE = Path(__file__).parent / "numpy" / "tracer.py"
+# a passage of the source, what stands there in a wrong one, and the mistake's id; None where it is none of the catalogue
+NUMPY = {
+    # along the ray it would show nothing: the sides are inherited, and the line is the same
+    "epsilon offset": ("return trace(scene, point[which], unit(direction[which])",
+                       "return trace(scene, point[which] + 1e-3 * normal[which], unit(direction[which])",
+                       "offset-along-the-normal"),
+    "no renormalisation": ("unit(direction[which])", "direction[which] * (1 + 1e-6)", None),
+    "one generation more": ("if depth == scene.max_depth:", "if depth == scene.max_depth + 1:", "one-generation-more"),
+    "printed normal of the heart": ('if self.kind != "heart":', "if True:", "heart-as-printed"),
+    "mean of the lights": ("illumination[lit] += more", "illumination[lit] += more / len(scene.lights)", "mean-of-lights"),
+    "light from behind": ("lit = cos[:, 0] > 0", "cos = np.abs(cos)\n        lit = cos[:, 0] > 0", "lit-from-behind"),
+    "own colour in full": ("(visible * (1 - obj.R) + reflected * obj.R)", "(visible + reflected * obj.R)", "own-colour-in-full"),
+    "divided by n": (".mean(axis=1)", ".sum(axis=1) / n", "divided-by-n"),
+    "blue first": ('"color": (color, "float64")', '"color": (color[:, ::-1], "float64")', "blue-first"),
+    "never totally reflected": ("total = (sin1 > n2 / n1)[:, 0]", "total = (sin1 > np.inf)[:, 0]", "never-totally-reflected"),
+}
+
+
+def wrong_numpy(name: str, folder: Path) -> list[str]:
+    """The command of the NumPy port with a mistake."""
+    passage, instead, _ = NUMPY[name]
+    text = NUMPY_SOURCE.read_text(encoding="utf-8")
+    if text.count(passage) != 1:
+        raise ValueError(f"the NumPy port has {text.count(passage)} passages {passage!r}")
+    (folder / "wrong.py").write_text(text.replace(passage, instead), encoding="utf-8")
+    return [sys.executable, str(folder / "wrong.py")]
+
+
+# --- how many are failed, and named ----------------------------------------------------------------------------------------
+def all_of_them(folder: Path) -> Iterator[tuple[str, list[str], set[str]]]:
+    """What each is called, its command, and all that it should be named."""
+    for id in IDS:
+        yield id, serving(id), {id}
+    for name, (_, _, id) in NUMPY.items():
+        yield f"NumPy: {name}", wrong_numpy(name, folder), {id} if id else set()
+    yield "as the figures", serving(*SWITCHES), set(SWITCHES)
+
+
+def main(names: Sequence[str]) -> None:
+    truths, counts = Truths(Path("results")), Counter()
+    with tempfile.TemporaryDirectory() as folder:
+        for name, command, ids in all_of_them(Path(folder)):
+            if names and name not in names:
+                continue
+            with Port(command) as process:
+                kept: list[check.Failed] = []
+                check.check(process, process.greet(60), chosen(["algorithm:"]), truths, 600, kept=kept)
+            start = time.process_time()
+            found = [cause.id for cause in check.likely(kept, 64, truths)]
+            counts.update(asked=1, failed=bool(kept), first=set(found[:1]) <= ids and bool(found) == bool(ids), all=set(found) == ids)
+            print(f"{name:<32} {len(kept):3} cases fail, {time.process_time() - start:5.1f} s: {', '.join(found) or 'nothing named'}",
+                  flush=True)
+    print(f"{counts['failed']} of {counts['asked']} fail; named first {counts['first']}, named and nothing else {counts['all']}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -12,7 +12,7 @@ from wrong_ports import CHANGES, SCENE, SCENES, WRITERS
 
 from raytruth.cli import main
 from raytruth.comparisons.ports import image_check
-from raytruth.comparisons.ports.image_check import check, likely_cause, sized
+from raytruth.comparisons.ports.image_check import check, sized
 from raytruth.comparisons.ports.mistaken import Tracers, rendered
 from raytruth.comparisons.ports.mistakes import CATALOGUE, NOISY, SWITCHES
 from raytruth.comparisons.ports.picture import FinishedPicture
@@ -150,13 +150,6 @@ def test_every_mistake_of_the_catalogue_shows():
         colors = Tracers(scene, sets, literal=True).colors(rows, columns)
         idle -= {id for id, c in zip(ids, colors[1:]) if np.abs(c - colors[0]).max() > 1e-4}
     assert {id for id in idle if CATALOGUE[id].stage != "file"} <= {"offset-along-the-ray", "heart-as-printed"}
-
-
-def test_likely_cause_is_for_other_checkers(ports):
-    scene = SCENE.resized(40, 30)
-    (found,) = likely_cause(scene, "paper", wrong_ports.color(("no-shadows",), scene))
-    assert found[0] == "no-shadows" and found[2] > 0.9
-    assert likely_cause(scene, "paper", wrong_ports.color((), scene)) == []
 
 
 # --- the command -------------------------------------------------------------------------------------------------------
