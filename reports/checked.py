@@ -57,7 +57,8 @@ def write(path: Path, title: str, holds: bool, lines: Sequence[str], causes: Seq
                    "rows": sorted(rows, key=lambda row: row.verdict in (*GOOD, "skipped")),
                    "beside": [_written(folder, k, pair) for k, pair in enumerate(shown)]}
         text = templates.get_template("checked.html.j2").render(content, css=static(templates)["report.css"])
-        text = re.sub(r'<a href="images/[^"]*">(<img.*?)</a>', r"\1", text)  # a browser follows no link to what stands in a page
+        # a browser follows no link to what stands in a page
+        text = re.sub(r'<a href="images/[^"]*">(<img.*?)</a>', r"\1", text)
         text = re.sub(r'<img src="([^"]+)"', lambda m: f'<img src="{data(folder / m[1])}"', text)
         try:
             with atomically(path) as part:

@@ -123,8 +123,8 @@ def _questions(failed: Failed, precision: int, truths: Truths) -> Iterator[cause
         yield made(answer["color"], truth["color"], right["color"][0], limits.color, False)
     if not {"index", "t", "normal"} <= set(answer):
         return
-    wanted, shown = (np.where(planes["index"][..., None] >= 0, np.concatenate([planes["t"][..., None], planes["normal"]], -1), 0.0)
-                     for planes in (truth, answer))
+    wanted, shown = (np.where(p["index"][..., None] >= 0, np.concatenate([p["t"][..., None], p["normal"]], axis=-1), 0.0)
+                     for p in (truth, answer))
     shown = causes.aligned(shown, wanted)
     usable = sure & np.isfinite(shown).all(axis=-1) & np.isfinite(wanted).all(axis=-1)
     within = right["object"][0] & (np.abs(shown - wanted)[..., 0] <= limits.t) & (

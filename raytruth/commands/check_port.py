@@ -141,7 +141,8 @@ def _port(arguments, command):
 
 
 def _introduce(declared) -> None:
-    print(sentence(f"{declared.name} {declared.version}: {' and '.join(declared.levels)}, fp{declared.precision}, surfaces "
+    name = f"{declared.name} {declared.version}".strip()
+    print(sentence(f"{name}: {' and '.join(declared.levels)}, fp{declared.precision}, surfaces "
                    f"{', '.join(declared.surfaces)}; switches {', '.join(declared.switches) or 'none'}"))
 
 
