@@ -3,7 +3,9 @@
 The text of the C++ port is changed at one place a mistake; all changes are compiled into one program, and the environment
 chooses which hold. It shares no code with comparisons/ports/mistaken.py, which has to recognise what it shows.
 
-    python tests/ports/wrong_ports.py [NAME ...]     how many check-port fails, and how many it names right; takes an hour
+How many check-port fails, and how many it names right; of all cases in an hour:
+
+    python tests/ports/wrong_ports.py [NAME ...] [--only CASES ...]
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
+from raytruth.arguments import Parser
 from raytruth.comparisons.bench import port
 from raytruth.comparisons.ports import check
 from raytruth.comparisons.ports.cases import chosen
@@ -289,22 +292,27 @@ def all_of_them(folder: Path) -> Iterator[tuple[str, list[str], set[str]]]:
     yield "as the figures", serving(*SWITCHES), set(SWITCHES)
 
 
-def main(names: Sequence[str]) -> None:
-    truths, counts = Truths(Path("results")), Counter()
+def main() -> None:
+    parser = Parser(description="How many wrong ports check-port fails, and how many it names right.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help="a mistake, as the output names it (default all)")
+    parser.add_argument("--only", nargs="+", default=["algorithm:"], metavar="CASES", help="as check-port understands it")
+    arguments, truths, counts = parser.parse_args(), Truths(Path("results")), Counter()
+    cases = chosen(arguments.only)
     with tempfile.TemporaryDirectory() as folder:
         for name, command, ids in all_of_them(Path(folder)):
-            if names and name not in names:
+            if arguments.names and name not in arguments.names:
                 continue
             with Port(command) as process:
                 kept: list[check.Failed] = []
-                check.check(process, process.greet(60), chosen(["algorithm:"]), truths, 600, kept=kept)
+                check.check(process, process.greet(60), cases, truths, 600, kept=kept)
             start = time.process_time()
             found = [cause.id for cause in check.likely(kept, 64, truths)]
-            counts.update(asked=1, failed=bool(kept), first=set(found[:1]) <= ids and bool(found) == bool(ids), all=set(found) == ids)
+            counts.update(asked=1, failed=int(bool(kept)), all=int(set(found) == ids),
+                          first=int(set(found[:1]) <= ids and bool(found) == bool(ids)))
             print(f"{name:<32} {len(kept):3} cases fail, {time.process_time() - start:5.1f} s: {', '.join(found) or 'nothing named'}",
                   flush=True)
     print(f"{counts['failed']} of {counts['asked']} fail; named first {counts['first']}, named and nothing else {counts['all']}")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()
