@@ -18,6 +18,11 @@ from raytruth.reference_tracer.errors import InputError
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 WINDOWS = ((1400, 900), (360, 740))
 SCHEMES = ("light", "dark")
+# pages leave out what nobody has scrolled to, until then
+SCROLLED = """async () => { for (let y = 0; y < document.body.scrollHeight; y += 800) {
+    window.scrollTo(0, y); await new Promise(done => setTimeout(done, 20)); }
+    window.scrollTo(0, 0); }"""
+WHOLE = "* { content-visibility: visible !important; }"
 
 
 def kinds(report: Path) -> list[str]:
@@ -46,11 +51,22 @@ def photographed(report: Path, folder: Path, browser) -> list[str]:
                 excess = page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth")
                 if excess > 0:
                     said.append(f"is {excess} pixels wider than its window")
+                page.add_style_tag(content=WHOLE)
+                page.evaluate(SCROLLED)
                 shown = folder / f"{name.removesuffix('.html').replace('/', '-')}-{width}-{scheme}.png"
                 page.screenshot(path=shown, full_page=True)
                 wrong += [f"{name} at {width}, {scheme}: {what}" for what in said]
             page.close()
     return wrong
+
+
+def browser_for(report: Path) -> str:
+    """The path of a Chromium. Raises InputError where there is none, or no report."""
+    if not (report / "index.html").is_file():
+        raise InputError(f"{report}: holds no report; 'raytruth report' makes one")
+    if (program := next(filter(None, map(shutil.which, BROWSERS)), None)) is None:
+        raise InputError("no Chromium on this machine: install the package chromium")
+    return program
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -62,10 +78,7 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     try:
         require_folder(chosen.output)
-        if not (chosen.report / "index.html").is_file():
-            raise InputError(f"{chosen.report}: holds no report; 'raytruth report' makes one")
-        if (program := next(filter(None, map(shutil.which, BROWSERS)), None)) is None:
-            raise InputError("no Chromium on this machine: install the package chromium")
+        program = browser_for(chosen.report)
     except InputError as error:
         print(f"tools.screenshots: {error}", file=sys.stderr)
         return 2

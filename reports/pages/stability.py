@@ -157,7 +157,7 @@ def _cell(where: str, point: Point) -> Cell:
     text = ", ".join(f"{_percent(n, point.rays)} {kind}" for kind, n in
                      sorted(point.counts.items(), key=lambda item: -item[1]))
     text += f"; largest error {parts(float(f'{point.worst_error:.0e}'))}" if point.worst_error is not None else ""
-    text += f"; {point.evaluations:.3g} evaluations a ray" if point.evaluations is not None else ""
+    text += f"; {parts(point.evaluations)} evaluations a ray" if point.evaluations is not None else ""
     return Cell(point.worst, _fill(1 - point.rate("correct")), f"{where}: {text}")
 
 

@@ -58,7 +58,9 @@ def power(value: float) -> Number:
 
 
 def powers(text: str) -> str:
-    """A formula as plain text, 2^-16 say, with its exponents raised."""
+    """Plain text with its exponents raised: 2^-16, and 1.4e-06, which is how Python writes numbers."""
+    text = re.sub(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?)0*(\d+)\b", lambda found: str(Number(
+        "" if found[1] == "1" else found[1], (MINUS if found[2] == "-" else "") + found[3])), text)
     return re.sub(r"\^(-?[0-9n]+)", lambda found: found[1].replace("-", MINUS).translate(RAISED), text)
 
 

@@ -6,6 +6,8 @@ import hashlib
 import re
 from dataclasses import dataclass
 
+from .numbers import powers
+
 LONGEST_NAME = 80
 
 
@@ -122,8 +124,8 @@ def metric(name: str) -> Metric:
 
 
 def full_stop(text: str) -> str:
-    """`text` with a full stop at its end; it begins as it is written, with the name of a function say."""
-    text = text.strip()
+    """`text` with a full stop at its end, its powers raised; it begins as it is written, with the name of a function say."""
+    text = powers(text.strip())
     return text + ("" if not text or text[-1] in ".!?" else ".")
 
 

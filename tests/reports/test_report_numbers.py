@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from raytruth.reports.text.numbers import MINUS, THIN, parts
+from raytruth.reports.text.numbers import MINUS, THIN, parts, powers
 
 
 @pytest.mark.parametrize("value, text, exponent", [
@@ -34,3 +34,10 @@ def test_near_one_the_digits_are_those_of_the_distance():
     (0.5, "0.5"), (1e-9, "10⁻⁹"), (-2.51e12, f"{MINUS}2.51{THIN}×{THIN}10¹²"), (None, "–")])
 def test_where_no_markup_is_possible_powers_are_raised_digits(value, text):
     assert str(parts(value)) == text
+
+
+@pytest.mark.parametrize("text, shown", [
+    ("99 % agree to 1.4e-06, no more", f"99 % agree to 1.4{THIN}×{THIN}10⁻⁶, no more"), ("down to p = 1e-14.", "down to p = 10⁻¹⁴."),
+    ("5.8e+03 pixels", f"5.8{THIN}×{THIN}10³ pixels"), ("2^-16 of p^2", "2⁻¹⁶ of p²"), ("hash 25610cee016c, v1e5", "hash 25610cee016c, v1e5")])
+def test_exponents_in_a_text_are_raised(text, shown):
+    assert powers(text) == shown
