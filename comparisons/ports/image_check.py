@@ -19,7 +19,7 @@ from raytruth.reference_tracer.tracer.sensitivity import sensitivity
 
 from ..verdicts.metrics import uniform_around
 from ..verdicts.tolerances import REPEATED
-from .causes import ENOUGH, Causes, Question
+from .causes import ENOUGH, Causes, Question, of_the_file
 from .causes import found as found_causes
 from .mistakes import CATALOGUE
 from .picture import FinishedPicture
@@ -189,7 +189,8 @@ def _nearest(picture: FinishedPicture, readings: list[Form], progress) -> tuple[
     best = tries(text, "exact")
     if best.differing.any():
         best = min((best, tries(text, "paper")), key=lambda h: (failing(h), int(h.differing.sum())))
-    for form in others if failing(best) else ():
+    # what the writer of the file has mapped is the same in every form, and nothing has to be rendered to see it
+    for form in others if failing(best) and not _mapped(best, picture) else ():
         literal = tries(form, "paper")  # as the figures were made
         if failing(literal) <= (1 - ENOUGH) * failing(best):
             best = min((literal, tries(form, "exact")), key=failing)
@@ -198,6 +199,12 @@ def _nearest(picture: FinishedPicture, readings: list[Form], progress) -> tuple[
         literal = next(h for h in tried if h.form is best.form and h.method == "paper")
         best = literal if failing(literal) <= ALIKE * failing(best) else best
     return best, tuple((h.form.name, h.method, int(h.differing.sum())) for h in tried)
+
+
+def _mapped(held: Held, picture: FinishedPicture) -> bool:
+    """Whether mistakes of the file alone explain what differs."""
+    found = of_the_file([_question(held, picture, held.differing & ~held.undecided)])
+    return bool(found and found.share >= ENOUGH)
 
 
 def _held(picture: FinishedPicture, form: Form, method: str) -> Held:
@@ -211,16 +218,17 @@ def _held(picture: FinishedPicture, form: Form, method: str) -> Held:
     return Held(form, method, truth, wanted, error, tolerance, truth.status == UNDECIDED)
 
 
-def _found(held: Held, picture: FinishedPicture, failing: np.ndarray) -> tuple[Causes | None, str]:
-    finite = np.isfinite(picture.color).all(axis=-1)
-    wrong = failing & finite
-    if not wrong.any():
-        return None, "the failing pixels are NaN or infinite"
+def _question(held: Held, picture: FinishedPicture, failing: np.ndarray) -> Question:
     # undecided pixels prove nothing about causes
-    usable = ~held.undecided & finite & np.isfinite(held.truth.color).all(axis=-1)
-    tolerance = float(held.tolerance.max())
-    found = found_causes([Question(held.form.scene, picture.color, np.nan_to_num(held.truth.color), wrong & usable, usable,
-                                   picture.levels, tolerance, held.method == "paper")])
+    usable = ~held.undecided & np.isfinite(picture.color).all(axis=-1) & np.isfinite(held.truth.color).all(axis=-1)
+    return Question(held.form.scene, picture.color, np.nan_to_num(held.truth.color), failing & usable, usable, picture.levels,
+                    float(held.tolerance.max()), held.method == "paper")
+
+
+def _found(held: Held, picture: FinishedPicture, failing: np.ndarray) -> tuple[Causes | None, str]:
+    if not (failing & np.isfinite(picture.color).all(axis=-1)).any():
+        return None, "the failing pixels are NaN or infinite"
+    found = found_causes([_question(held, picture, failing)])
     if not found.failing:
         return found, f"not measurable: none of the failing pixels could be traced again ({found.left_out} tried)"
     unfinished = "" if found.finished else " with the rays that it may follow; there may be more"

@@ -179,6 +179,13 @@ def test_a_picture_in_the_figures_form_passes_and_the_switches_are_told():
     assert found.verdict == "pass" and found.form == "as the figure was published (F1, F2, F3, F4)"
 
 
+def test_what_the_writer_of_a_file_did_is_told_before_the_figures_form_is_rendered():
+    scene = sized(library.scene("figure-17-scene1"), 60, 45)
+    found = verdict(in_floats(render(scene, "paper").color[::-1]), scene)
+    assert [cause.id for cause in found.causes] == ["rows-from-the-bottom"] and {form for form, *_ in found.tried} == {
+        "as the scene says"}
+
+
 @pytest.mark.parametrize("changes, ids", [
     ({"lights": "balanced", "ambient": 0.1}, {"balanced-lights", "ambient"}), ({"lights": "balanced"}, {"balanced-lights"})])
 def test_some_of_the_figures_switches_are_named_as_differences_from_the_text(changes, ids):
