@@ -179,8 +179,10 @@ class Tracers:
             if unrefined is not None or once is not None:
                 t = self._rough(shape, rays, d, t, unrefined, once)
             closer = t < best
-            if in_order is not None:
-                closer &= ~((in_order > 0) & (index >= 0))
+            if in_order is not None:  # of all that the ray hits, or (2) of what it crosses in the same step
+                with np.errstate(divide="ignore", invalid="ignore"):
+                    together = (h > 0) & (np.ceil(t / h) == np.ceil(best / h))
+                closer &= ~((index >= 0) & ((in_order == 1) | ((in_order == 2) & together)))
             best, index = np.where(closer, t, best), np.where(closer, k, index)
         if (m := self._of("snell-as-printed", who)) is not None and len(
                 lost := np.flatnonzero(~usable & (m == 2) & (rays.limit > 0) & rays.inside.any(axis=0))):

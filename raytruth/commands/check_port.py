@@ -119,6 +119,7 @@ def _checked(arguments, command, known, bar):
                     bar.log(_line(result, arguments, command))
 
             results = check.check(port, declared, chosen, truths, arguments.seconds, known, told, failed)
+            bar.show("which mistakes show this")
             causes = check.likely(failed, declared.precision, truths)
             if arguments.history:
                 bar.close()

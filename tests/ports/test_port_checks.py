@@ -148,7 +148,8 @@ def test_a_port_may_draw_pictures_only(capsys, tmp_path):
 
 
 # --- one classic mistake each ----------------------------------------------------------------------------------------------
-TELLING = ["algorithm:events", "algorithm:pictures", "algorithm:surfaces/heart", "algorithm:scenes/effect"]
+TELLING = ["algorithm:events", "algorithm:pictures", "algorithm:surfaces/heart", "algorithm:scenes/effect",
+           "algorithm:scenes/figure-05-sphere"]
 
 
 @pytest.fixture

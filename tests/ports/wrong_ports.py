@@ -249,7 +249,7 @@ def color(ids: tuple[str, ...], scene: Scene) -> np.ndarray:
 def written(ids: tuple[str, ...], scene: Scene) -> np.ndarray:
     """The bytes that a port with these mistakes writes: (h, w, 3) uint8."""
     writer = next((WRITERS[id] for id in ids if id in WRITERS), rounded)
-    return writer(color(ids, scene))
+    return writer(color(tuple(id for id in ids if id not in WRITERS), scene))
 
 
 # --- the NumPy port --------------------------------------------------------------------------------------------------------
