@@ -84,4 +84,6 @@ def _gate(name: str, value, limit: float | None, unit: str, means: str, none: bo
 
 
 def _shown(value) -> str:
-    return "nothing" if value is None else f"{value:d}" if isinstance(value, int) else f"{value:.3g}"
+    if value is None:
+        return "nothing"
+    return f"{int(value)}" if abs(value) < 1e15 and value == int(value) else f"{value:.3g}"  # NaN is below nothing

@@ -69,8 +69,9 @@ def pages(report: Report) -> list[Page]:
     speed = Speed(document)
     summary = Summary(
         "Speed against accuracy",
-        f"Every first-hit method and every renderer over its own parameter, on {len(speed.subjects)} scenes and "
-        "surfaces, against proven first hits.", sentence(speed.headline), "The charts")
+        "Every first-hit method and every renderer over its own parameter, on "
+        f"{count(len(speed.subjects), 'scene or surface', 'scenes and surfaces')}, against proven first hits.",
+        sentence(speed.headline), "The charts")
     return [Page("speed.html", "speed.html.j2", {"speed": speed}, nav="Speed", summary=summary,
                  tables={f"growth-{slug(growth.id)}.csv": _growth_table(growth) for growth, _ in speed.growths})] + [
         Page(view.page, "speed_subject.html.j2", {"speed": speed, "view": view}, tables={view.table: _table(view.subject)})

@@ -115,8 +115,8 @@ def pages(report: Report) -> list[Page]:
     shown = failures(document)
     summary = Summary(
         "Where methods fail",
-        f"{len(shown.methods)} methods on {len(shown.families)} families of cases, each with one difficulty that grows "
-        "until methods break.",
+        f"{len(shown.methods)} methods on {count(len(shown.families), 'family', 'families')} of cases, each with one "
+        "difficulty that grows until methods break.",
         f"{count(len(document.findings), 'finding')}." if document.findings else
         "No law is broken, and no method that claims exactness is wrong without saying so.", "The failure maps")
     return [Page("stability.html", "stability.html.j2", {"failures": shown, "legend": legend},
