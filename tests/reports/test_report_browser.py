@@ -412,6 +412,7 @@ def test_one_file_shows_several_scenes_each_with_its_own_viewer(browser, tmp_pat
         page.click(f"#{word}-viewer [data-part=open]")
         page.wait_for_selector(f"#{word}-viewer[data-ready='good bad']")
         page.goto(f"file://{file}#{word}-viewer&a=good&b=bad&row={FAR[0]}&col={FAR[1]}")
+        page.wait_for_function(f"() => document.querySelector('#{word}-viewer [data-row=red] td').textContent")  # after the address
         reds = page.locator(f"#{word}-viewer [data-row=red] td").all_inner_texts()[:2]
         assert [float(text) for text in reds] == [pictures[name].color[FAR][0] for name in order]
     assert [url for url in asked if not url.startswith(("data:", f"file://{file}"))] == []
