@@ -19,14 +19,16 @@ from raytruth.reference_tracer.tracer.sensitivity import sensitivity
 
 from ..verdicts.metrics import uniform_around
 from ..verdicts.tolerances import REPEATED
-from .causes import ENOUGH, Causes, Question, of_the_file
+from .causes import ENGINE, ENOUGH, Causes, Question
 from .causes import found as found_causes
-from .mistakes import CATALOGUE
+from .mistaken import Exhausted, Tracers
+from .mistakes import CATALOGUE, filed
 from .picture import FinishedPicture
 
 PLANES = ("color", "index", "status")
 SINGLE = 32  # bits: what rounding is taken to have been at worst
 ALIKE = 1.05  # numbers of failing pixels whose ratio is less
+PROBED = 200  # failing pixels, of which the figure's form has to show half before it is rendered
 COARSE, MOST_COARSE = 1e-3, 0.02  # a picture with more pixels further off than this has not been rounded: a colour, a share
 
 
@@ -189,8 +191,9 @@ def _nearest(picture: FinishedPicture, readings: list[Form], progress) -> tuple[
     best = tries(text, "exact")
     if best.differing.any():
         best = min((best, tries(text, "paper")), key=lambda h: (failing(h), int(h.differing.sum())))
-    # what the writer of the file has mapped is the same in every form, and nothing has to be rendered to see it
-    for form in others if failing(best) and not _mapped(best, picture) else ():
+    for form in others if failing(best) else ():
+        if not _may_be(form, picture, best):
+            continue
         literal = tries(form, "paper")  # as the figures were made
         if failing(literal) <= (1 - ENOUGH) * failing(best):
             best = min((literal, tries(form, "exact")), key=failing)
@@ -201,10 +204,21 @@ def _nearest(picture: FinishedPicture, readings: list[Form], progress) -> tuple[
     return best, tuple((h.form.name, h.method, int(h.differing.sum())) for h in tried)
 
 
-def _mapped(held: Held, picture: FinishedPicture) -> bool:
-    """Whether mistakes of the file alone explain what differs."""
-    found = of_the_file([_question(held, picture, held.differing & ~held.undecided)])
-    return bool(found and found.share >= ENOUGH)
+def _may_be(form: Form, picture: FinishedPicture, held: Held) -> bool:
+    """Whether a few of the pixels that are not as in `held` are as in `form`, traced without compiling anything. A form is
+    taken where it explains ENOUGH of them: below half of the few, it does not."""
+    question = _question(held, picture, held.differing & ~held.undecided)
+    pixels = np.random.default_rng(0).permutation(np.flatnonzero(question.failing))[:PROBED]
+    if not len(pixels):
+        return True
+    tracers = Tracers(form.scene, [{}], literal=True)
+    try:
+        color, = tracers.colors(*np.divmod(pixels, question.failing.shape[1]))
+    except Exhausted:
+        return True
+    with np.errstate(invalid="ignore"):
+        off = np.abs(filed({}, color, picture.levels) - question.shown.reshape(-1, 3)[pixels]).max(axis=-1)
+    return bool((off <= question.tolerance + ENGINE).mean() >= 0.5)
 
 
 def _held(picture: FinishedPicture, form: Form, method: str) -> Held:

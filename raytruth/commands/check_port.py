@@ -165,16 +165,19 @@ def _cause(cause) -> str:
 def _page(arguments, command, found, failed, truths) -> None:
     import numpy as np
 
+    from raytruth.reference_tracer.tracer.film import UNDECIDED
     from raytruth.reports import checked
 
     def beside(case, reply):
         truth = truths.planes(case)
         index = reply.arrays.get("index", truth["index"])
         return checked.Beside(case.id, truth["color"], reply.arrays["color"], (truth["index"] < 0) & (index < 0),
-                              truth["index"] != index, truth["status"] == 2)
+                              truth["index"] != index, truth["status"] == UNDECIDED)
 
-    pictures = sorted((f for f in failed if f.case.rays is None), key=lambda f: -np.nanmean(
-        np.abs(f.reply.arrays["color"] - truths.planes(f.case)["color"])))
+    def error(case, reply):  # what is not finite is furthest off
+        return np.nan_to_num(np.abs(reply.arrays["color"] - truths.planes(case)["color"]), nan=np.inf).mean()
+
+    pictures = sorted((f for f in failed if f.case.rays is None), key=lambda f: -error(f.case, f.reply))
     rows = [checked.Row(r.verdict, (r.id, *filter(None, [sentence(r.message), *_details(r, arguments, command)])))
             for r in found.results]
     checked.write(arguments.html, f"{found.port.name if found.port else command[0]} against raytruth", found.holds,
