@@ -12,7 +12,8 @@ import numpy as np
 from ..numbers import Dual, OutwardInterval
 from .surface import Box, Surface
 
-POINTS, STEPS = 64, 24  # random points, and steps of Newton's towards the surface from each
+POINTS, STEPS = 64, 24  # random points, and steps of Newton's towards the surface from each, at most
+AT_REST = 2.0**-45  # of a coordinate: no step is longer, so that the next would move the shift by no more
 AROUND = ((-2.0,) * 3, (2.0,) * 3)  # where they start if no box is known
 LARGEST_SHIFT = 2.0**-42  # of a coordinate: 2^10 units of rounding, below which interval methods divide no further
 
@@ -31,7 +32,10 @@ def shift(surface: Surface, box: Box | None) -> float:
             slopes = np.stack([np.broadcast_to(g.derivative(k), POINTS) for k in range(3)])
             size = np.abs(slopes).max(axis=0)
             step = (slopes / size) * (g.value / size) / np.square(slopes / size).sum(axis=0)
-            points = np.where(np.isfinite(step), points - step, points)
+            step = np.where(np.isfinite(step), step, 0.0)
+            points = points - step
+            if (np.abs(step) <= AT_REST * (1 + np.abs(points))).all():
+                break
         g = form(*Dual.axes(tuple(OutwardInterval(p) for p in points)), **parameters)
         value = OutwardInterval.of(g.value)
         slope = [OutwardInterval.of(g.derivative(k)) for k in range(3)]
