@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import drjit as dr
 
-from ..numbers import Polynomial
+from ..numbers import OfDegree, Polynomial
 from .interface import LocalRay, Solid
 from .refine import safeguarded_newton
 from .segments import Scan, SegmentMethod, beyond_origin
@@ -43,19 +44,20 @@ class Descartes(SegmentMethod):
         Float, Bool, UInt = type(limit), dr.mask_t(limit), dr.uint32_array_t(type(limit))
         start, stop = solid.search_range(ray, inside, limit)
         scale = dr.maximum(stop - start, 0)
-        a = solid.polynomial(*Polynomial.along(ray.at(start), ray.d * scale)).c  # g in u, t = start + u scale
-        n, rounding = len(a) - 1, NOISE * dr.epsilon(Float)
+        polynomial = solid.polynomial(*Polynomial.along(ray.at(start), ray.d * scale))  # g in u, t = start + u scale
+        look = partial(_looked_at, polynomial)
+        a, rounding = polynomial.c, NOISE * dr.epsilon(Float)
         noise = rounding * sum((dr.abs(c) for c in a[1:]), dr.abs(a[0]))
+        known = dr.isfinite(noise)
         u, w = dr.zeros(Float, dr.width(scale)), Float(1)
         side = Bool(inside)
         settled = (start > 0) | dr.select(side, a[0] < -noise, a[0] > noise)
         count, segments = UInt(0), UInt(0)
-        undecided, guess = Bool(False), Float(u)
-        active = scale > 0
+        undecided, guess = ~known, Float(u)
+        active = known & (scale > 0)
         while active:
             w = dr.minimum(w, 1 - u)
-            b, certain = _bernstein(a, u, w, noise)
-            variations, end_inside, split = _sign_variations(b, dr.select(settled, side, b[1] < 0))
+            first, last, certain, variations, end_inside, split = look(u, w, noise, settled, side)
             narrow = w <= NARROWEST * math.sqrt(rounding)
             none = certain & (variations == 0) & (settled | (end_inside == side))
             one = certain & (variations == 1) & settled
@@ -65,7 +67,7 @@ class Descartes(SegmentMethod):
             count += dr.select(hit, UInt(1), 0)
             segments += 1
             stays = hit & only_first
-            guess = dr.select(stays, u + w * (b[0] / (b[0] - b[n])), guess)
+            guess = dr.select(stays, u + w * (first / (first - last)), guess)
             moves = passed | (hit & ~stays)
             side ^= hit & ~stays
             settled |= moves
@@ -93,6 +95,21 @@ def _horner(a, u):
         slope = dr.fma(slope, u, value)
         value = dr.fma(value, u, coefficient)
     return value, slope
+
+
+def _looked_at(polynomial, u, w, noise, settled, side):
+    """What the Bernstein coefficients on [u, u + w] tell: the first and the last of them, whether their signs are certain,
+    and the sign variations."""
+    def look(a, *segment):
+        settled, side, u, w, noise = segment
+        b, certain = _bernstein(a, u, w, noise)
+        return b[0], b[-1], certain, *_sign_variations(b, dr.select(settled, side, b[1] < 0))
+
+    segment = settled, side, u, w, noise  # dr.switch takes a Bool at the end for its mask
+    if not isinstance(polynomial, OfDegree):
+        return look(polynomial.c, *segment)
+    looks = [lambda a, *segment, n=n: look(a[:n + 1], *segment) for n in range(1, polynomial.degree + 1)]
+    return dr.switch(polynomial.actual - 1, looks, list(polynomial.c), *segment)
 
 
 def _bernstein(a, u, w, noise):

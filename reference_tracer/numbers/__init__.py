@@ -2,6 +2,6 @@
 
 from .dual import Dual
 from .interval import DefinedPart, Interval, OutwardInterval
-from .polynomial import NotAlgebraic, Polynomial
+from .polynomial import NotAlgebraic, OfDegree, Polynomial
 
-__all__ = ["DefinedPart", "Dual", "Interval", "NotAlgebraic", "OutwardInterval", "Polynomial"]
+__all__ = ["DefinedPart", "Dual", "Interval", "NotAlgebraic", "OfDegree", "OutwardInterval", "Polynomial"]

@@ -92,3 +92,10 @@ class Polynomial:
 
     sqrt = cbrt = sin = cos = tan = exp = log = absolute = _not_algebraic
     power = power_of = minimum = maximum = where_larger = floor = heaviside = atan2 = atan2_of = _not_algebraic
+
+
+@dataclass(frozen=True, slots=True)
+class OfDegree(Polynomial):
+    """A polynomial whose degree is known when a kernel runs: coefficients beyond it are zero."""
+
+    actual: object  # UInt, the degree, from 1 up to `degree`
