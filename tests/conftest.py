@@ -1,6 +1,8 @@
 """Shared by all tests: Dr.Jit must find its LLVM before any test module imports it."""
 
 import os
+import sys
+from collections import OrderedDict
 
 import pytest
 
@@ -16,7 +18,7 @@ SLOW = {
     "certify", "certify_multiple_roots", "certify_switches", "certify_tangency", "chart_suite", "check_image", "cluster",
     "clip", "command_line", "compilation", "conditioning", "cpp_port", "decisions", "docs", "document", "effects",
     "embree", "enclosures", "extending", "figure_switches", "figure_switches_elsewhere", "first_hit", "formulas",
-    "hostile_inputs", "hostile_ports", "interrupted_suites", "intervals", "laws", "matrix", "memory_bands",
+    "hostile_inputs", "hostile_ports", "interpreter", "interrupted_suites", "intervals", "laws", "matrix", "memory_bands",
     "mesh_clipping", "mesh_closed_forms", "mesh_error", "misbehaving", "mitsuba_geometry", "mitsuba_grids",
     "mitsuba_picture", "mitsuba_refined", "mutants", "nearest_scene", "not_finite", "odd_parts", "oracle",
     "pixel_limits", "plan", "pool", "port_checks", "povray_picture", "povray_scene", "random_scenes",
@@ -36,6 +38,13 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.path.stem.removeprefix("test_") in SLOW:
             item.add_marker("slow")
+
+
+@pytest.fixture(autouse=True)
+def own_recordings(monkeypatch):
+    """What is recorded of a tracer that a test has changed is replayed in no other test."""
+    if "raytruth.reference_tracer.tracer.render" in sys.modules:
+        monkeypatch.setattr(sys.modules["raytruth.reference_tracer.tracer.render"], "_shared", OrderedDict())
 
 
 @pytest.fixture

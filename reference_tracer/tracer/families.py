@@ -81,6 +81,7 @@ class Family:
             indices, objects = [indices[k] for k in order], [objects[k] for k in order]
         self.indices = indices
         self.forms = surface.function, surface.regular_form, surface.polynomial_form
+        self.programs = getattr(surface, "variables", ())  # what an interpreter reads
         shared = [surface.literal_parameters and len({repr(o.surface.parameters[name]) for o in objects}) == 1
                   for name in surface.parameters]
         self.parameters = [name for name, same in zip(surface.parameters, shared) if not same]
@@ -136,7 +137,7 @@ class Family:
     @property
     def variables(self) -> list:
         """All arrays that kernels read of the family."""
-        return [self.table, self.index_of_row, self.count, self._scalars, self._clusters, self.method.variables]
+        return [self.table, self.index_of_row, self.count, self._scalars, self._clusters, self.method.variables, self.programs]
 
     def _member(self, number: Callable, index) -> Member:
         """The member whose numbers, in the order of `_row`, are what `number` returns one by one."""

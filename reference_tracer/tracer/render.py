@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import OrderedDict
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -17,6 +18,7 @@ from .film import HIT as HIT
 from .film import MISS as MISS
 from .film import PLANES, PlaneBuffer, developed
 from .film import UNDECIDED as UNDECIDED
+from .interpreting import InterpretingWorld, worth_it
 from .rays import Ray
 from .shading import Interaction
 from .wavefront import MOST_RAYS, Advance, Film, Primary, Recorder, Wave, Wavefront
@@ -75,42 +77,73 @@ class Picture:
 
 
 def render(scene: Scene, method: str = "exact", *, precision: int | None = None, device: str = "llvm",
-           threads: int | None = None, planes: Sequence[str] = PLANES,
-           progress: Callable[[float], None] | None = None, watch: Watch | None = None) -> Picture:
+           threads: int | None = None, planes: Sequence[str] = PLANES, progress: Callable[[float], None] | None = None,
+           watch: Watch | None = None, interpret: bool | None = None) -> Picture:
     """Renders `scene` with a first-hit method ("paper", "exact", ...); see `Renderer` for rendering it again.
 
     `precision` 64 or 32 stands in for the scene's own, `planes` are those wanted. `progress` is called with the
-    finished fraction after every wave of rays; `watch` sees, and may disturb, every wave of rays. Raises InputError for an
-    unknown method or an unusable device.
+    finished fraction after every wave of rays; `watch` sees, and may disturb, every wave of rays. `interpret` tells whether
+    formulas are interpreted, by kernels that they share, or compiled; None: as interpreting.worth_it has it. Raises InputError
+    for an unknown method or an unusable device.
     """
     start = time.perf_counter()
-    picture = Renderer(scene, method, precision=precision, device=device, threads=threads).picture(
+    picture = Renderer(scene, method, precision=precision, device=device, threads=threads, interpret=interpret).picture(
         planes, progress, watch)
     picture.metadata["seconds"] = time.perf_counter() - start
     return picture
 
 
+class Recordings:
+    """What is recorded in one world for its pictures, and replayed in others whose kernels are the same."""
+
+    def __init__(self, world: World):
+        self.wavefront = Wavefront(world)
+        self.first_hits, self.developed = recorded(self._first_hit), recorded(developed)
+
+    def _first_hit(self, source: CameraRays, variables) -> Primary:
+        world = self.wavefront.world
+        ray = source.wave(world, 0).ray
+        hit = world.nearest(ray)
+        met = hit.index < world.object_count
+        point = dr.fma(ray.d, dr.select(met, hit.t, 0), ray.o)
+        normal = world.normal(point, hit.index, met)
+        return Primary.of(world, hit, point, dr.select(dr.dot(ray.d, normal) > 0, -normal, normal))
+
+
+MOST_SHARED = 8
+_shared: OrderedDict[Hashable, Recordings] = OrderedDict()
+
+
+def _shared_recordings(world: InterpretingWorld) -> Recordings:
+    """The recordings of worlds of the same structure, most recently used last."""
+    found = _shared[world.structure] = _shared.pop(world.structure, None) or Recordings(world)
+    while len(_shared) > MOST_SHARED:
+        _shared.popitem(last=False)
+    return found
+
+
 class Renderer:
     """A scene made ready for rendering: what is recorded for one picture is replayed for the next.
 
-    `world` may be a tracer that differs in a query or a formula, for showing what a fault does.
+    `world` may be a tracer that differs in a query or a formula, for showing what a fault does; `interpret` as in `render`.
     Raises InputError for an unknown method or an unusable device.
     """
 
     def __init__(self, scene: Scene, method: str = "exact", *, precision: int | None = None, device: str = "llvm",
-                 threads: int | None = None, world: type[World] = World):
+                 threads: int | None = None, world: type[World] = World, interpret: bool | None = None):
         self.precision = precision or scene.tracing.precision
         self.scene, self.method, self.device = scene, method, device
-        self.world = world(scene, method, backend(self.precision, device))
+        if interpret is None:
+            interpret = world is World and (self.precision, device) == (64, "llvm") and worth_it(scene, method)
+        self.world = (InterpretingWorld if interpret else world)(scene, method, backend(self.precision, device))
         self.threads = use_threads(threads)
-        self.wavefront = Wavefront(self.world)
+        self.recordings = _shared_recordings(self.world) if interpret else Recordings(self.world)
         self._watched: dict[int, Wavefront] = {}  # of recorders
-        self._first_hits, self._developed = recorded(self._first_hit), recorded(developed)
 
     def show(self, scene: Scene, world: type[World] = World) -> None:
         """Goes on with a `scene` that differs from the one before in places alone: what is recorded is replayed with them."""
         self.scene, self.world = scene, world(scene, self.method, backend(self.precision, self.device))
-        for wavefront in (self.wavefront, *self._watched.values()):
+        for wavefront in self._watched.values():
             wavefront.world = self.world
 
     def picture(self, planes: Sequence[str] = PLANES, progress: Callable[[float], None] | None = None,
@@ -140,6 +173,11 @@ class Renderer:
             "precision": self.precision, "device": self.device, "threads": self.threads,
             "rays": wavefront.rays - before + centres, "seconds": time.perf_counter() - start, "drjit": dr.__version__}
         return picture
+
+    @property
+    def wavefront(self) -> Wavefront:
+        self.recordings.wavefront.world = self.world
+        return self.recordings.wavefront
 
     def _wavefront(self, watch: Watch | None) -> Wavefront:
         if watch is None:
@@ -173,7 +211,7 @@ class Renderer:
         light, hits = wavefront.trace(source, count * samples**2, max(count, 2), primary, progress)
         centres = film.wants_hits and samples > 1  # the geometry planes belong to the pixel's centre
         if centres:
-            hits = self._first_hits(camera_rays(self.world, pixels, 1), self.world.variables)
+            hits = self.recordings.first_hits(camera_rays(self.world, pixels, 1), self.world.variables)
         film.store(slice(pixels.start, pixels.stop), self.developed(light, hits, samples))
         return count if centres else 0
 
@@ -181,15 +219,7 @@ class Renderer:
         """The planes of pixels of n x n samples; see `film.developed`."""
         world = self.world
         per_unit = dr.opaque(dr.float64_array_t(world.arrays.Float), world.optics.samples(samples) / world.color_unit)
-        return self._developed(light, hits, per_unit, world.arrays.count(world.object_count))
-
-    def _first_hit(self, source: CameraRays, variables) -> Primary:
-        world, ray = self.world, source.wave(self.world, 0).ray
-        hit = world.nearest(ray)
-        met = hit.index < world.object_count
-        point = dr.fma(ray.d, dr.select(met, hit.t, 0), ray.o)
-        normal = world.normal(point, hit.index, met)
-        return Primary.of(world, hit, point, dr.select(dr.dot(ray.d, normal) > 0, -normal, normal))
+        return self.recordings.developed(light, hits, per_unit, world.arrays.count(world.object_count))
 
     def _resample(self, film: PlaneBuffer, wavefront: Wavefront, band: int | None,
                   progress: Callable[[float], None] | None) -> None:

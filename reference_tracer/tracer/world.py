@@ -10,7 +10,7 @@ import drjit as dr
 
 from .. import first_hit
 from ..backend import Backend
-from ..scene.model import EFFECTS, SLIVER, Scene, Tracing
+from ..scene.model import EFFECTS, SLIVER, Object, Scene, Tracing
 from ..scene.placement import is_inside
 from .camera import canvas_point, frame
 from .families import Family, Member
@@ -41,13 +41,14 @@ class World:
         self.scene, self.arrays, self.method = scene, arrays, method
         self.object_count = len(scene.objects)
         groups: dict[tuple, list[int]] = {}
-        for index, obj in enumerate(scene.objects):
+        objects = [self.traced(obj) for obj in scene.objects]
+        for index, obj in enumerate(objects):
             own = (obj.first_hit.method, obj.first_hit.step_size or 0) if obj.first_hit else ("", 0)
             groups.setdefault((obj.surface.family, obj.surface.sign_outside, own, scene.casts_shadow(obj)),
                               []).append(index)
         self.families = [
-            Family(arrays, indices, [scene.objects[i] for i in indices],
-                   first_hit.choose(method, scene.objects[indices[0]], scene.tracing, arrays), casts_shadow)
+            Family(arrays, indices, [objects[i] for i in indices],
+                   first_hit.choose(method, objects[indices[0]], scene.tracing, arrays), casts_shadow)
             for (*_, casts_shadow), indices in sorted(groups.items())]  # sorted: scenes with the same families share kernels
         self.vouching = [f for f in self.families if f.method.vouches] if self.object_count > 1 else []
 
@@ -61,6 +62,10 @@ class World:
         self.max_distance = arrays.constant(scene.tracing.max_distance)
         self.background = [arrays.constant(c) for c in scene.background]
         self.light_count = arrays.count(len(scene.lights))
+
+    def traced(self, obj: Object) -> Object:
+        """What stands for `obj` in the families."""
+        return obj
 
     # --- tables ----------------------------------------------------------------------------------------------------
     def _column(self, values):

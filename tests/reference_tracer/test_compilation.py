@@ -14,7 +14,7 @@ def announced(formulas: list[str], method: str = "exact", **material) -> list:
                          for f in formulas)}).model_dump_json(by_alias=True, exclude_none=True))
     found = []
     with heard(found.append):
-        render(scene, method)
+        render(scene, method, interpret=False)
     return found
 
 
