@@ -33,7 +33,7 @@ from ..execution.pool import Pool, Task
 from ..renderers import povray
 from ..renderers import render as render_with
 from ..suites import choose
-from . import port
+from . import formulas, port
 from .document import Clock, Row
 from .timing import QUIET, Contestant, Cost, Measured, deciding, interleave, judged, row, spread, timed
 
@@ -283,20 +283,40 @@ def in_worker(arguments: dict) -> dict:
     return {"state": "ok", "wall": cost.wall, "cpu": cost.cpu, "peak_gib": peak_kib() / 2**20}
 
 
+def in_process(kernels: Path, *module: str) -> Cost:
+    """One run of `python -m module...`, its kernels cached in the folder `kernels`."""
+    kernels.mkdir(exist_ok=True)
+    start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run([sys.executable, "-m", *module], capture_output=True, text=True,
+                          env={**os.environ, "DRJIT_CACHE_DIR": str(kernels)})
+    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode:
+        reason = (done.stderr.strip().splitlines() or ["no reason given"])[-1]
+        raise InputError(f"python -m {' '.join(module)} failed: {reason}")
+    return Cost(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+
+
+DISTINCT = {"60-formulas": 5.0, "500-formulas": 40.0}  # seconds
+
+
+def distinct_formulas(case: str, options: Options) -> list[Row]:
+    count, _ = case.split("-")
+    with tempfile.TemporaryDirectory(prefix="raytruth-") as folder:
+        fresh = (Path(folder) / f"fresh-{k}" for k in range(options.turns))
+        measured = options.interleaved([
+            Contestant(case, lambda: in_process(next(fresh), formulas.__name__, count), compiles=False)])
+    wall, cpu = (spread([getattr(c, clock) for c in measured.costs[case]]) for clock in ("wall", "cpu"))
+    width, height = formulas.SIZE
+    return [judged(Row(key=f"formulas/{case}", what=f"process start to end, {count} distinct formulas, empty kernel cache",
+                       unit="s", bar=DISTINCT[case], sense="<=", clock="wall", wall=wall, cpu=cpu, value=wall.median,
+                       turns=len(measured.costs[case]), others=round(measured.others, 3), picture=f"{width} x {height}"))]
+
+
 def first_picture(case: str, options: Options) -> list[Row]:
     bars, size = {"empty kernel cache": 3.0, "warm kernel cache": 1.2}, "640x480"  # seconds
 
     def command(kernels: Path) -> Cost:
-        """One run of `raytruth render` whose kernels are cached in the folder `kernels`."""
-        kernels.mkdir(exist_ok=True)
-        start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = subprocess.run([sys.executable, "-m", "raytruth", "render", case, "--size", size,
-                               "-o", str(kernels / "picture.png")], capture_output=True, text=True,
-                              env={**os.environ, "DRJIT_CACHE_DIR": str(kernels)})
-        wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
-        if done.returncode:
-            raise InputError(f"raytruth render failed: {(done.stderr.strip().splitlines() or ['no reason given'])[-1]}")
-        return Cost(wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        return in_process(kernels, "raytruth", "render", case, "--size", size, "-o", str(kernels / "picture.png"))
 
     with tempfile.TemporaryDirectory(prefix="raytruth-") as folder:
         fresh = (Path(folder) / f"fresh-{k}" for k in range(options.turns))
@@ -340,6 +360,8 @@ GROUPS = {group.name: group for group in (
     Group("objects", "A hundred spheres against ten that cover as much of the picture.", ("spheres",), objects),
     Group("first-picture", "From starting the command to the first picture's file, as a user sees it, with and without "
           "compiling kernels.", ("figure-05-sphere",), first_picture),
+    Group("formulas", "Many formulas in one process, each another tree and a small picture: they share a kernel, which is "
+          "compiled once.", tuple(DISTINCT), distinct_formulas),
     Group("first-hits", "The first-hit methods among themselves: camera rays of single surfaces, nothing shaded. No bars, "
           "only information.", SINGLE, first_hits))}
 
