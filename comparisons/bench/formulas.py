@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from random import Random
 
+from raytruth.reference_tracer import llvm
 from raytruth.reference_tracer.scene.model import Camera, Light, Object, Scene
 from raytruth.reference_tracer.surfaces import Expression
 from raytruth.reference_tracer.tracer.render import render
@@ -45,6 +46,7 @@ def scene(formula: Expression) -> Scene:
 
 
 def main() -> None:
+    llvm.narrow_kernels()  # each kernel sees few rays, as in a command that renders small pictures
     for _, formula in zip(range(int(sys.argv[1])), formulas()):
         render(scene(formula))
 
