@@ -287,7 +287,7 @@ def in_process(kernels: Path, *module: str) -> Cost:
     """One run of `python -m module...`, its kernels cached in the folder `kernels`."""
     kernels.mkdir(exist_ok=True)
     start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-    done = subprocess.run([sys.executable, "-m", *module], capture_output=True, text=True,
+    done = subprocess.run([sys.executable, "-P", "-m", *module], capture_output=True, text=True,
                           env={**os.environ, "DRJIT_CACHE_DIR": str(kernels)})
     wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
     if done.returncode:

@@ -4,24 +4,26 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from raytruth.reference_tracer.text import hanging
+
 from .document import Bench, Fall, Row, Spread
 
-HEAD = (f"{'row':<50}{'value':>9}  {'bar':>9}  {'':5} {'wall (low to high)':<26}{'cpu (low to high)':<26}"
-        f"{'turns':>5}{'others':>7}  seconds")
+HEAD = f"{'row':<50}{'value':>9}  {'bar':>9}"
 
 
 def line(row: Row) -> str:
     """A row as text, under HEAD."""
     if row.value is None:
-        return f"{row.key:<50}{row.state}: {row.message}"
+        return hanging(f"{row.key:<50}", f"{row.state}: {row.message}")
     verdict = {True: "holds", False: "FAILS", None: ""}[row.holds]
     bar = "" if row.bar is None else f"{row.sense} {_short(row.bar)}"
-    seconds = ", ".join(f"{name} {s.wall:.3g}" for name, s in row.seconds.items())
-    others = "" if row.others is None else f"{row.others:.2f}"
-    clock = "" if row.clock is None else f" by {row.clock}"
-    remarks = "; ".join(filter(None, (seconds + clock, row.picture, row.note)))
-    return (f"{row.key:<50}{_short(row.value) + ' ' + row.unit:>9}  {bar:>9}  {verdict:5} {_spread(row.wall):<26}"
-            f"{_spread(row.cpu):<26}{row.turns:>5}{others:>7}  {remarks}")
+    clocks = [f"{name} {_spread(spread)}" for name, spread in (("wall", row.wall), ("cpu", row.cpu)) if spread is not None]
+    seconds = ", ".join(f"{name} {s.wall:.3g} s" for name, s in row.seconds.items())
+    others = "" if row.others is None else f"other processes {row.others:.2f}"
+    remarks = [", ".join(clocks) + (f", by {row.clock}" if row.clock else ""), f"{row.turns} turns" * bool(row.turns), others,
+               seconds, row.picture, row.note]
+    first = f"{row.key:<50}{_short(row.value) + ' ' + row.unit:>9}  {bar:>9}  {verdict:5}"
+    return hanging(first, "; ".join(filter(None, remarks)))
 
 
 def summary(bench: Bench, falls: list[Fall], output: Path | None) -> str:

@@ -20,7 +20,7 @@ from typing import Protocol, TypeVar
 from .process import Worker
 from .store import Store, UnwritableError
 
-COMMAND = (sys.executable, "-m", "raytruth.comparisons.execution.worker")
+COMMAND = (sys.executable, "-P", "-m", "raytruth.comparisons.execution.worker")  # no modules of the folder it is in
 Record = TypeVar("Record")
 
 

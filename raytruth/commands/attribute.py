@@ -16,6 +16,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from raytruth.reference_tracer.text import hanging, side_by_side
+
 from ..arguments import add_engine, require_folder, resized, seen_from, size
 
 
@@ -76,13 +78,11 @@ def _tell(attribution) -> None:
     for e in attribution.evidence:
         what = "; ".join(e.questions) if e.questions else "nothing of this kind in the scene, or an earlier stage diverges"
         count = f"{e.diverging} of {e.pixels}" if e.questions else ""
-        print(f"{e.stage:<11} {e.outcome:<10} {count:>16}  {what}")
+        print(hanging(f"{e.stage:<11} {e.outcome:<10} {count:>16}", what, gap=2))
     for pixel in attribution.pixels:
         print(f"\npixel row {pixel.row}, column {pixel.col} of: {attribution.shown_on}; difference {pixel.difference:.3g}")
         left, right = _lines(pixel.a, pixel.color_a), _lines(pixel.b, pixel.color_b)
-        width = max(map(len, left))
-        for k in range(max(len(left), len(right))):
-            print(f"{left[k] if k < len(left) else '':<{width}}  |  {right[k] if k < len(right) else ''}".rstrip())
+        print(side_by_side(left, right))
 
 
 def _lines(history, color) -> list[str]:
@@ -114,7 +114,8 @@ def _all_faults(arguments) -> int:
             for j in row.judgements:
                 named = j.message if j.state != "ok" else (
                     f"{'found' if j.found else 'not found'}, named {j.attribution.stage or 'nothing'}")
-                print(f"{'holds' if row.holds else 'fails':<6} {row.title:<46} {row.effect:<24} {j.renderer:<15} {named}")
+                print(hanging(f"{'holds' if row.holds else 'fails':<6} {row.title:<46} {row.effect:<24}",
+                              f"{j.renderer:<15} {named}"))
         good = sum(row.holds for row in table.rows)
         print(f"{good} of {len(table.rows)} rows hold; written to {arguments.results / 'attribution.json'}", file=sys.stderr)
     return 0 if all(row.holds for row in table.rows) else 1

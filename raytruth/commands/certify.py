@@ -25,6 +25,8 @@ import json
 import sys
 from pathlib import Path
 
+from raytruth.reference_tracer.text import hanging, table
+
 from .. import memory
 from ..arguments import add_engine, resized, size, whole
 from ..compile_time import compile_time_announced
@@ -144,16 +146,19 @@ def _table(totals) -> str:
     """What every kind of scene came to, and whether that holds."""
     from raytruth.comparisons.random_scenes.suite import EXCUSED, MOST_UNDECIDED, Total
 
-    lines = [f"{'random scenes':<22}{'scenes':>8}{'failed':>8}{'pixels':>9}{'untold':>8}{'wrong':>7}{'hits':>9}"
-             f"{'undecided':>11}{'avoidable':>11}{'share':>8}  worst scene"]
+    heads = ("random scenes", "scenes", "failed", "pixels", "untold", "wrong", "hits", "undecided", "avoidable", "share",
+             "worst scene")
+    rows = []
     for kind, t in [*sorted(totals.items()), ("all", sum(totals.values(), Total()))]:
         c, (most, hits, seed) = t.counts, t.worst
         worst = f"{most} of {hits}: seed {seed}" if most else "-"
-        lines.append(f"{kind:<22}{t.scenes:>8,}{t.faults:>8,}{c['pixels']:>9,}{c['unsettled']:>8,}{t.wrong:>7,}"
-                     f"{c['hits']:>9,}{c['undecided_hits']:>11,}{c['avoidable_hits']:>11,}{t.undecided:>8.2%}  {worst}")
+        numbers = (t.scenes, t.faults, c["pixels"], c["unsettled"], t.wrong, c["hits"], c["undecided_hits"],
+                   c["avoidable_hits"])
+        rows.append((kind, *(f"{n:,}" for n in numbers), f"{t.undecided:.2%}", worst))
     missed = [f"{kind}: {what}" for kind, t in sorted(totals.items()) for what in t.missed(kind)]
-    return "\n".join([*lines, "", "untold: pixels that the oracle cannot tell; avoidable: undecided hits whose colour it "
-                      "knows, and their share of all hits", "",
+    return "\n".join([table(heads, rows, left=(0, 10)), "",
+                      hanging("untold:", "pixels that the oracle cannot tell; avoidable: undecided hits whose colour it knows, "
+                                         "and their share of all hits"), "",
                       *([f"does not hold: {text}" for text in missed] or
                         ["holds: no scene failed, no decided pixel is wrong, and of no kind more than "
                          f"{MOST_UNDECIDED:.0%} of the hits is avoidably undecided "

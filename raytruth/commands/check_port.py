@@ -25,6 +25,8 @@ import sys
 import time
 from pathlib import Path
 
+from raytruth.reference_tracer.text import hanging
+
 from ..arguments import number, require_file, require_folder, sentence
 
 SHOWN = 12  # pictures on a page, those furthest off
@@ -153,7 +155,7 @@ def _list(declared, chosen) -> None:
     for case in chosen:
         why = case.lacks(declared)
         skipped += why is not None
-        print(f"{'skip' if why else 'run':<5} {case.id:<52} {why or ''}".rstrip())
+        print(hanging(f"{'skip' if why else 'run':<5} {case.id:<52}", why or ""))
     print("cases of truths that the port does not claim are no cases of its own")
     print(f"{len(chosen) - skipped} of {len(chosen)} cases will run, {skipped} will be skipped")
 
@@ -187,7 +189,7 @@ def _page(arguments, command, found, failed, truths) -> None:
 
 def _line(result, arguments, command) -> str:
     known = " (as listed)" if result.known else ""
-    first = sentence(f"{result.verdict + known:<11} {result.id:<52} {result.message}").rstrip()
+    first = hanging(f"{result.verdict + known:<11} {result.id:<52}", sentence(result.message), indent=12)
     return "\n            ".join([first, *_details(result, arguments, command)])
 
 

@@ -18,6 +18,8 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+from raytruth.reference_tracer.text import hanging
+
 from ..arguments import add_engine, number, require_folder, seen_from, whole
 
 FIRST = 3, 12  # scenes, the quickest ones, after which a report is made while the rest is under way
@@ -102,13 +104,14 @@ def _missing(scenes, folder: Path) -> list:
 def _tell(results, matrix, folder) -> None:
     order = {"not compared": 0, "differs": 1, "expected": 2, "agrees": 3}
     for c in sorted(results.comparisons, key=lambda c: (order[c.verdict], c.id)):
-        print(f"{c.verdict:<13} {c.id:<45} {c.reason}")
+        print(hanging(f"{c.verdict:<13} {c.id:<45}", c.reason))
     for s in results.series:
-        print(f"{'holds' if s.holds else 'fails':<13} {s.id:<45} slopes {s.slope}")
+        print(hanging(f"{'holds' if s.holds else 'fails':<13} {s.id:<45}", f"slopes {s.slope}"))
     for d in (d for d in matrix.dissent if d.scene in {scene.name for scene in results.scenes}):
-        print(f"{'split' if d.split else 'expected' if d.expected else 'odd one out':<13} {d.scene:<45} {d.sentence}")
+        found = "split" if d.split else "expected" if d.expected else "odd one out"
+        print(hanging(f"{found:<13} {d.scene:<45}", d.sentence))
     for t in matrix.tightness:
-        print(f"{t.verdict:<13} {t.tolerance + ', ' + t.gate:<45} {t.worse}: {t.worse_share:.3g} of the limit; "
-              f"usual: {t.share:.3g}")
+        print(hanging(f"{t.verdict:<13} {t.tolerance + ', ' + t.gate:<45}",
+                      f"{t.worse}: {t.worse_share:.3g} of the limit; usual: {t.share:.3g}"))
     counts = Counter(c.verdict for c in results.comparisons)
     print(", ".join(f"{counts[v]} {v}" for v in order if counts[v]) + f"; results in {folder}", file=sys.stderr)

@@ -12,6 +12,8 @@ import subprocess
 import sys
 from dataclasses import asdict, dataclass
 
+from raytruth.reference_tracer.text import hanging
+
 
 def add_arguments(parser):
     parser.add_argument("--json", action="store_true", help="print the findings as JSON")
@@ -32,7 +34,7 @@ SECONDS, PROBE_SECONDS = 20, 120  # in which a program answers, and a library do
 
 # Each probe runs in a process of its own: a wrong LLVM aborts the process that loads it.
 _PROBE_LLVM = """
-import ctypes, os, reference_tracer
+import ctypes, os; from raytruth import reference_tracer
 library = ctypes.CDLL(os.environ["DRJIT_LIBLLVM_PATH"])
 numbers = [ctypes.c_uint() for _ in range(3)]
 library.LLVMGetVersion(*map(ctypes.byref, numbers))
@@ -63,7 +65,9 @@ def run(arguments) -> int:
     else:
         for f in findings:
             mark = "ok      " if f.found else "MISSING " if f.required else "absent  "
-            print(f"{mark}{f.name:<10} {f.detail}" + (f"\n{'':19}{f.remedy}" if not f.found else ""))
+            print(hanging(f"{mark}{f.name:<10}", f.detail))
+            if not f.found:
+                print(hanging(f"{'':18}", f.remedy))
     return 0 if all(f.found or not f.required for f in findings) else 1
 
 
@@ -156,7 +160,7 @@ def _answer(command: list[str], seconds: float) -> tuple[int, str]:
 def _probe(program: str) -> tuple[str, str | None]:
     """(last line printed, None), or ("", what went wrong)."""
     try:
-        code, said = _answer([sys.executable, "-c", program], PROBE_SECONDS)
+        code, said = _answer([sys.executable, "-P", "-c", program], PROBE_SECONDS)
     except subprocess.TimeoutExpired:
         return "", f"gave no answer within {PROBE_SECONDS} s"
     last = ([line.strip() for line in said.splitlines() if line.strip()] or ["no message"])[-1]

@@ -19,6 +19,8 @@ import json
 import sys
 from pathlib import Path
 
+from raytruth.reference_tracer.text import hanging
+
 from ..arguments import number, require_file, require_folder, resized, size
 
 LEAST, MOST = 1e-9, 1.0  # tolerances
@@ -100,8 +102,8 @@ def text(plan) -> str:
     """What was decided and why, how far it held on the pixels held back, what is saved."""
     head = f"{plan.scene}, {plan.width} x {plan.height}, tolerance {plan.tolerance:g}"
     widths = [max(len(row[k]) for row in map(_cells, plan.decisions)) for k in range(3)] if plan.decisions else []
-    row = lambda d: "  ".join([*(cell.ljust(width) for cell, width in zip(_cells(d), widths)), d.evidence])
-    rows = ["  " + row(d).rstrip() for d in plan.decisions]
+    row = lambda d: "  ".join(cell.ljust(width) for cell, width in zip(_cells(d), widths))
+    rows = [hanging("  " + row(d), d.evidence, gap=2) for d in plan.decisions]
     return "\n".join([head, *rows, f"  {_sampled(plan)}", f"  {_saved(plan.saved)}", *map(_mesh, plan.meshes)])
 
 

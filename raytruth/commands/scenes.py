@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import json
 
+from raytruth.reference_tracer.text import hanging
+
 
 def add_arguments(parser):
     parser.add_argument("scene", nargs="*", help="names of shipped scenes or paths of scene files (default: all shipped)")
@@ -38,5 +40,6 @@ def run(arguments) -> int:
         return 0
     width = max(len(r["name"]) for r in rows)
     for r in rows:
-        print(f"{r['name']:<{width}}  {r['width']:>5} x {r['height']:<5} {r['objects']:>3} objects  {r['title']}")
+        objects = f"{r['objects']} object" + "s" * (r["objects"] != 1)
+        print(hanging(f"{r['name']:<{width}}  {r['width']:>5} x {r['height']:<5} {objects:<10}", r["title"]))
     return 0

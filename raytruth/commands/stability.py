@@ -15,6 +15,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from raytruth.reference_tracer.text import table
+
 from ..arguments import add_engine, require_folder, seen_from, whole
 
 
@@ -56,7 +58,7 @@ def run(arguments) -> int:
 
 def _tell(document) -> None:
     methods = [m.name for m in document.methods if not m.wrong_variant]
-    print(f"{'family':<22}{'p':>8}  " + "".join(f"{name:<17}" for name in methods) + "laws")
+    rows, variants = [], []
     for family in document.families:
         hold = all(law.holds for law in family.laws)
         laws = "" if not family.laws else "hold" if hold else "BROKEN"
@@ -65,10 +67,14 @@ def _tell(document) -> None:
             if series:
                 name = family.id if precision == 64 else f"{family.id} fp32"
                 p = "any" if family.labels else f"{values[-1]:g}"
-                cells = "".join(f"{_cell(family, series.get(method)):<17}" for method in methods)
-                print(f"{name:<22}{p:>8}  {cells}{laws if precision == 64 else ''}".rstrip())
-                for variant in sorted(series.keys() - set(methods)):
-                    print(f"{'':<32}{variant}: {_cell(family, series[variant])}")
+                rows.append((name, p, *(_cell(family, series.get(method)) for method in methods),
+                             laws if precision == 64 else ""))
+                variants += [(name, variant, _cell(family, series[variant]))
+                             for variant in sorted(series.keys() - set(methods))]
+    print(table(("family", "p", *methods, "laws"), rows, left=(0, *range(2, len(methods) + 3))))
+    if variants:
+        print()
+        print(table(("family", "variant", ""), variants, left=(0, 1, 2)))
     for finding in document.findings:
         print(f"{finding.what.upper()}: {finding.family}: {finding.sentence}")
 

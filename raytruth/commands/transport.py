@@ -16,6 +16,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from raytruth.reference_tracer.text import hanging
+
 from ..arguments import add_engine, number, require_folder, seen_from
 
 
@@ -50,5 +52,5 @@ def run(arguments) -> int:
         for case in document.cases:
             verdict = "not measured" if case.state != "ok" else "differs" if not case.holds else {
                 "equal": "agrees", "finding": "finding"}[case.kind]
-            print(f"{verdict:<13} {case.effect:<17} {case.id:<25} {case.reason}")
+            print(hanging(f"{verdict:<13} {case.effect:<17} {case.id:<25}", case.reason))
     return 1 if document.failed else 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..text import table
 from .certificate import Audit, Certificate, Finding, PathErrors
 
 MOST_SHOWN = 12  # findings, and reasons
@@ -19,14 +20,11 @@ def told(c: Certificate) -> str:
 
 
 def _census(c: Certificate) -> list[str]:
-    heads = ("rays", "proven hits", "proven misses", "settled", "undecided", "wrong", "refused")
-    lines = [f"  {'':<12}" + "".join(f"{h:>14}" for h in heads)]
-    for kind, k in c.kinds.items():
-        if k.rays:
-            values = (k.rays, k.hits, k.misses, k.settled, k.undecided, k.wrong, k.refused)
-            lines.append(f"  {kind:<12}" + "".join(f"{v:>14,}" for v in values))
+    heads = ("", "rays", "proven hits", "proven misses", "settled", "undecided", "wrong", "refused")
+    rows = [(kind, *(f"{v:,}" for v in (k.rays, k.hits, k.misses, k.settled, k.undecided, k.wrong, k.refused)))
+            for kind, k in c.kinds.items() if k.rays]
     share = c.undecided_rays / c.rays if c.rays else 0.0
-    return lines + ["", f"  undecided: {share:.1e} of all rays",
+    return [table(heads, rows, indent=2), "", f"  undecided: {share:.1e} of all rays",
                     f"  distances: at most {c.largest_gap:.1e} off the proven one, which holds within at most "
                     f"{c.largest_radius:.1e}"]
 
