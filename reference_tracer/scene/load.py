@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import itertools
 import json
 import os
 import stat
@@ -15,6 +16,7 @@ from .model import Scene, json_schema
 
 LARGEST_FILE = 1 << 20  # bytes
 DEEPEST_NESTING = 32
+MOST_FILES = 1000  # of a folder that are asked whether one of them was meant
 
 
 def load_scene(path: str | Path) -> Scene:
@@ -33,8 +35,17 @@ def load_scene(path: str | Path) -> Scene:
         if isinstance(error, InputError):
             raise
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{source}: cannot be read ({reason}); give the path of a scene file") from None
+        close = _nearest_file(Path(path)) if isinstance(error, FileNotFoundError) else None
+        raise InputError(f"{source}: cannot be read ({reason}); "
+                         + (f"did you mean {close}?" if close else "give the path of a scene file")) from None
     return parse_scene(data, source)
+
+
+def _nearest_file(path: Path) -> str | None:
+    """The scene file beside `path` that somebody may mean by it."""
+    beside = itertools.islice(path.parent.glob("*.json"), MOST_FILES)
+    close = difflib.get_close_matches(path.name[:100], [file.name for file in beside], 1, 0.7)
+    return printable(str(path.with_name(close[0])), longest=200) if close else None
 
 
 def parse_scene(data: bytes, source: str = "scene") -> Scene:
