@@ -48,7 +48,7 @@ def add_arguments(parser):
     parser.add_argument("--random", type=int, metavar="N", help="certify N random scenes instead, those of the seeds "
                                                                 "--seed, --seed + 1, ...")
     parser.add_argument("--seed", type=int, default=0, metavar="K", help="the first random scene (default 0)")
-    add_engine(parser, "random scenes", 64)
+    add_engine(parser, "random scenes", 64)  # scenes that are named take all cores, one after another
     parser.add_argument("-o", "--results", type=Path, metavar="DIR", default=Path("results/random"),
                         help="folder for random scenes that fail (default results/random)")
 
@@ -58,20 +58,23 @@ def run(arguments) -> int:
 
 
 def _run(arguments) -> int:
-    from raytruth.comparisons.progress import Progress
-    from raytruth.reference_tracer.certify import certify
-    from raytruth.reference_tracer.certify.text import told
-    from raytruth.reference_tracer.errors import InputError
     from raytruth.reference_tracer.scene import library
     from raytruth.reference_tracer.tracer.film import PLANES
 
-    if arguments.cluster:
-        raise InputError("--cluster: spreads random scenes; give --random N as well, or leave it out")
     scenes = [library.find(name) for name in arguments.scene or library.names()]
     scenes = [resized(scene, arguments.size) for scene in scenes]
     for scene in scenes:
         memory.require(scene, PLANES, BESIDE, arguments.memory)
-    certificates = []
+    if arguments.cluster:
+        return _told(_by_cluster(scenes, arguments), arguments)
+    return _told(_here(scenes, arguments), arguments)
+
+
+def _here(scenes, arguments):
+    """The certificates of the scenes, each as it is finished."""
+    from raytruth.comparisons.progress import Progress
+    from raytruth.reference_tracer.certify import certify
+
     with Progress(len(scenes)) as bar:
         for k, scene in enumerate(scenes):
             def show(stage: str, share: float, done=k, name=scene.name):
@@ -80,15 +83,37 @@ def _run(arguments) -> int:
             with compile_time_announced(scene, bar):
                 c = certify(scene, arguments.method, sample=arguments.sample, paths=arguments.paths,
                             threads=arguments.threads, progress=show)
-            certificates.append(c)
             if not arguments.json:
                 bar.close()
-                print(told(c), end="\n\n", flush=True)
+            yield c
+
+
+def _by_cluster(scenes, arguments):
+    """The same, or of a scene that has none its name and why."""
+    from raytruth.comparisons import certificates
+    from raytruth.comparisons.progress import Cases
+
+    with Cases() as progress:
+        for name, found in certificates.run(scenes, arguments.cluster, progress, method=arguments.method,
+                                            sample=arguments.sample, paths=arguments.paths, threads=arguments.threads):
+            yield f"{name}: no certificate: {found}" if isinstance(found, str) else found
+
+
+def _told(found, arguments) -> int:
+    from raytruth.reference_tracer.certify.text import told
+
+    certificates, failed = [], []
+    for c in found:
+        (failed if isinstance(c, str) else certificates).append(c)
+        if isinstance(c, str):
+            print(f"raytruth: {c}", file=sys.stderr)
+        elif not arguments.json:
+            print(told(c), end="\n\n", flush=True)
     if arguments.json:
         print(json.dumps([c.document() for c in certificates], indent=1))
     elif len(certificates) > 1:
         print(_summary(certificates))
-    return 0 if all(c.passed for c in certificates) else 1
+    return 0 if all(c.passed for c in certificates) and not failed else 1
 
 
 def _run_random(arguments) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 
 
 @dataclass
@@ -100,3 +100,11 @@ class Certificate:
     def document(self) -> dict:
         """Everything, as JSON would hold it."""
         return asdict(self) | {"rays": self.rays, "undecided_rays": self.undecided_rays, "passed": self.passed}
+
+    @classmethod
+    def of(cls, document: dict) -> Certificate:
+        """The certificate that `document` tells of."""
+        own = {name: document[name] for name in (f.name for f in fields(cls))}
+        listed = {name: [Finding(**found) for found in own[name]] for name in ("findings", "undecided")}
+        kinds = {name: KindCount(**count) for name, count in own["kinds"].items()}
+        return cls(**{**own, **listed, "kinds": kinds, "audit": Audit(**own["audit"]), "paths": PathErrors(**own["paths"])})

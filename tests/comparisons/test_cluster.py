@@ -154,3 +154,17 @@ def test_what_does_not_fit_is_one_sentence(processes, monkeypatch, capsys):
         assert main(["stability", "--cluster", address, "--family", "grazing"]) == 2
         error = capsys.readouterr().err
         assert word in error and error.count("\n") == 1
+
+
+def test_certificates_are_those_that_are_made_here(processes, capsys):
+    arguments = ["certify", "figure-05-sphere", "figure-07-torus", "--size", "32x24", "--sample", "60", "--paths", "2", "--json"]
+    made = []
+    for where in ([], ["--cluster", processes.address]):
+        assert main([*arguments, *where]) == 0
+        made.append(sorted((c | {"seconds": 0} for c in json.loads(capsys.readouterr().out)), key=lambda c: c["scene"]))
+    assert made[0] == made[1] and len(made[0]) == 2
+
+
+def test_a_certificate_that_a_cluster_cannot_make_is_told(processes, capsys):
+    assert main(["certify", "figure-05-sphere", "--size", "16x16", "--method", "guess", "--cluster", processes.address]) == 1
+    assert "figure-05-sphere: no certificate" in capsys.readouterr().err
