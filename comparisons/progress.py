@@ -14,6 +14,7 @@ from pathlib import Path
 from . import times
 
 STEADY, WILD = 1.5, 10.0  # paces that differ by more are a range, and no more than a least time
+NOTHING = 1e-9  # units of work: none is expected yet
 EVERY = 5.0  # seconds between two lines where no terminal watches; work done sooner says nothing
 
 
@@ -24,7 +25,7 @@ class Progress:
     """
 
     def __init__(self, total: float, quiet: bool = False, label: str = ""):
-        self.total, self.done, self.label = max(total, 1e-9), 0.0, label
+        self.total, self.done, self.label = max(total, NOTHING), 0.0, label
         self._start = self._moved = time.monotonic()
         self._marks: list[tuple[float, float]] = []  # when how much was done, a hundred at most
         self._terminal, self._quiet = sys.stderr.isatty(), quiet
@@ -47,7 +48,7 @@ class Progress:
     def show(self, label: str | None = None) -> None:
         with self._lock:
             self.label = self.label if label is None else label
-            if self._quiet:
+            if self._quiet or not (self.label or self.total > NOTHING):
                 return
             if self._display is None:
                 self._display = _Bar(self) if self._terminal else _Lines(self)

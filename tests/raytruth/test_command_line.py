@@ -81,7 +81,7 @@ BAD = [
     (["scenes", "no-such-scene"], "no-such-scene: is neither a file nor a shipped scene; 'raytruth scenes' lists those"),
     (["render", "figure-5-sphere", "-o", "x.png"], "did you mean figure-05-sphere?"),
     (["scenes", "heart"], "did you mean figure-09-heart?"),
-    (["certify", "--cluster", "tcp://127.0.0.1:9"], "--cluster: spreads random scenes"),
+    (["certify", "--cluster", "tcp://127.0.0.1:9"], "--cluster tcp://127.0.0.1:9: no Dask scheduler answers there"),
     (["attribute", "figure-05-sphere", "--with", "paper", "--cluster", "tcp://127.0.0.1:9"], "--cluster: spreads --wrong-on-purpose"),
     (["render", "{ball}", "-o", "{dir}/out.gif"], "must end in one of .png, .exr, .npz"),
     (["render", "{ball}", "-o", "{dir}/missing/out.png"], "does not exist; make it first"),
