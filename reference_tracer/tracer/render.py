@@ -153,6 +153,7 @@ class Renderer:
         camera, tracing = self.scene.camera, self.scene.tracing
         adaptive = tracing.samples > 1 and tracing.adaptive > 0
         film = PlaneBuffer((*planes, "color", "index") if adaptive else planes, camera.height, camera.width)
+        self.recordings.wavefront.world = self.world  # another renderer, or `show`, may have left it in another one
         wavefront = self._wavefront(watch)
         before, centres = wavefront.rays, 0
         first = 0.5 if adaptive else 1.0  # the share of the first pass over the pixels

@@ -123,3 +123,18 @@ def test_replayed_pictures_are_those_made_afresh(name, method):
         pictures[seed] = one.t
     assert len({t.tobytes() for t in pictures.values()}) == 4  # no two are the same
     assert np.array_equal(pictures[0], render(small, method).t)
+
+
+@pytest.mark.parametrize("samples", [1, 2])
+def test_a_picture_that_nothing_disturbs_is_the_picture(samples):
+    """One recording shows world after world: none of them may be left behind in a kernel, also of pixels' centres."""
+    tracing = {"samples": samples}
+    ball = parse_scene(json.dumps({
+        "name": "ball", "camera": {"width": 24, "height": 18}, "lights": [{"position": [2, 2, 0]}], "tracing": tracing,
+        "objects": [{"surface": {"type": "sphere", "center": [0, 0, 3], "r": 1}}]}).encode())
+    plain, made = render(ball), Perturbations(ball, "exact")
+    for unit, seed in ((0.0, 0), (1e-3, 5), (0.0, 0)):
+        found = made.picture(unit, seed)
+        same = [np.array_equal(getattr(found, plane), getattr(plain, plane), equal_nan=plane != "index")
+                for plane in ("color", "t", "normal", "index")]
+        assert not same[0] if unit else all(same), same
