@@ -11,6 +11,7 @@ from raytruth.reference_tracer import llvm
 
 # tests share processes, and a command that asks for narrow kernels changes fp32 in all later ones
 os.environ.setdefault(llvm.NARROW, "0")
+os.environ.pop("COLUMNS", None)  # a worker of pytest-xdist has 80, as if there were a terminal
 
 # files of tests that take more than some seconds together (`pytest --durations=0`): `make check` leaves them out
 SLOW = {

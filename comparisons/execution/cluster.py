@@ -102,17 +102,22 @@ class Cluster:
             done = self._dask.as_completed([submit(task) for task in tasks], loop=self._client.loop)
             for future in done:
                 task = of.pop(future)
-                if future.status == "finished":
-                    yield task, future.result()
-                elif future.status == "error":
+                if future.status not in ("finished", "error"):
+                    raise _SchedulerLost
+                answer, gone = None, future.exception() if future.status == "error" else None
+                try:
+                    answer = None if gone else future.result()
+                except self._dask.KilledWorker as error:  # an answer may be lost after its case has ended, with its worker
+                    gone = error
+                if answer is not None:
+                    yield task, answer
+                else:
                     lost[task] += 1
                     if lost[task] < TRIES:
                         done.add(submit(task))
                     else:
-                        message = f"its workers were lost, again and again: {future.exception()}"
+                        message = f"its workers were lost, again and again: {gone}"
                         yield task, {"state": "crashed", "message": message[:500]}
-                else:
-                    raise _SchedulerLost
                 future.release()
         except (OSError, self._dask.CancelledError, self._dask.comm.CommClosedError):
             raise _SchedulerLost from None
