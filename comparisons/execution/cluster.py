@@ -81,8 +81,9 @@ class Cluster:
             try:
                 self._client = self._dask.Client(self.address, timeout=2, set_as_default=False)
                 return
-            except (OSError, ValueError) as error:  # TimeoutError is an OSError; an address that is none a ValueError
-                if isinstance(error, ValueError) or time.monotonic() > deadline:
+            except (OSError, ValueError, AssertionError) as error:  # TimeoutError is an OSError; ValueError: no address at all
+                busy = isinstance(error, AssertionError)  # Dask gives its own thread 10 seconds to begin
+                if isinstance(error, ValueError) or time.monotonic() > deadline + PATIENCE * busy:
                     raise InputError(f"--cluster {self.address}: no Dask scheduler answers there; start one with "
                                      "'dask scheduler'") from None
                 time.sleep(0.5)
