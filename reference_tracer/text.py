@@ -25,7 +25,7 @@ def hanging(first: str, prose: str, gap: int = 1, indent: int = 4) -> str:
         lines = textwrap.wrap(prose, width() - start, break_long_words=False, break_on_hyphens=False)
         return f"{first}{'':{gap}}" + f"\n{'':{start}}".join(lines)
     lines = textwrap.wrap(prose, max(width() - indent, 1), break_long_words=False, break_on_hyphens=False)
-    return first.rstrip() + "".join(f"\n{'':{indent}}{line}" for line in lines)
+    return "\n".join([*filter(None, [first.rstrip()]), *(f"{'':{indent}}{line}" for line in lines)])
 
 
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]], left: Sequence[int] = (0,), indent: int = 0) -> str:

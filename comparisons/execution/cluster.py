@@ -10,6 +10,7 @@ A worker that is lost has its cases made by another; a scheduler that is started
 
 from __future__ import annotations
 
+import asyncio
 import threading
 import time
 import uuid
@@ -79,6 +80,7 @@ class Cluster:
         deadline = time.monotonic() + patience
         while True:
             try:
+                asyncio.run(self._knock())
                 self._client = self._dask.Client(self.address, timeout=2, set_as_default=False)
                 return
             except (OSError, ValueError, AssertionError) as error:  # TimeoutError is an OSError; ValueError: no address at all
@@ -87,6 +89,12 @@ class Cluster:
                     raise InputError(f"--cluster {self.address}: no Dask scheduler answers there; start one with "
                                      "'dask scheduler'") from None
                 time.sleep(0.5)
+
+    async def _knock(self) -> None:
+        """Raises OSError or ValueError where nobody answers; a Client that finds nobody complains again when it is freed."""
+        comm = await self._dask.comm.connect(self.address, timeout=2,
+                                             **self._dask.Security().get_connection_args("client"))
+        await comm.close()
 
     def _answers(self, tasks: list[Task], lost: Counter) -> Iterator[tuple[Task, dict]]:
         """Raises _SchedulerLost."""

@@ -168,3 +168,12 @@ def test_certificates_are_those_that_are_made_here(processes, capsys):
 def test_a_certificate_that_a_cluster_cannot_make_is_told(processes, capsys):
     assert main(["certify", "figure-05-sphere", "--size", "16x16", "--method", "guess", "--cluster", processes.address]) == 1
     assert "figure-05-sphere: no certificate" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("address", ["nonsense", "tcp://127.0.0.1:9", "gopher://127.0.0.1:9"])
+def test_an_address_where_nobody_answers_is_one_sentence(address):
+    """In a process of its own, whose end frees whatever Dask has begun."""
+    done = subprocess.run([sys.executable, "-m", "raytruth", "certify", "figure-05-sphere", "--cluster", address],
+                          capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"raytruth: --cluster {address}: no Dask scheduler answers there; start one with 'dask scheduler'\n"

@@ -11,7 +11,7 @@ import time
 import pytest
 
 from raytruth.comparisons import progress as module
-from raytruth.comparisons.progress import Progress
+from raytruth.comparisons.progress import Cases, Progress
 
 
 def until(condition, seconds=30):
@@ -81,7 +81,7 @@ def test_where_nothing_was_finished_of_late_only_a_least_time_is_told():
 
 def test_a_terminal_shows_a_bar_and_is_left_clean():
     """In a child with a terminal of its own: the bar appears, a logged line stays, the cursor comes back."""
-    program = ("import time; from raytruth.comparisons.progress import Progress\n"
+    program = ("import time; from raytruth.comparisons.progress import Cases, Progress\n"
                "with Progress(4, label='ball [x]') as bar:\n"
                "    bar.to(2); time.sleep(.5); bar.log('case: agrees'); bar.close(); bar.to(3)\n")
     ours, theirs = pty.openpty()
@@ -100,3 +100,12 @@ def test_a_terminal_shows_a_bar_and_is_left_clean():
     text = seen.decode()
     assert process.wait() == 0 and "50%" in text and "ball [x]" in text and "case: agrees" in text
     assert text.rindex("\x1b[?25h") > text.rindex("\x1b[?25l"), "the cursor must be shown again"
+
+
+def test_nothing_is_told_of_work_of_which_none_is_expected_yet(monkeypatch):
+    monkeypatch.setattr(module, "EVERY", 0.02)
+    monkeypatch.setattr(sys, "stderr", said := io.StringIO())
+    with Cases() as cases:
+        assert not progress_threads()
+        cases.expect(2)
+        until(lambda: "0% after" in said.getvalue())

@@ -48,9 +48,10 @@ def test_commands_run_and_say_what_the_page_says(page, tmp_path, monkeypatch):
     for text in blocks(page, "json"):
         if "name" in (scene := json.loads(text)):
             Path(f"{scene['name']}.json").write_text(text, encoding="utf-8")
+    absent = not shutil.which("povray")
     for line, said in typed(page):
         assert line.startswith("raytruth "), line
-        if "povray" in line and not shutil.which("povray"):
+        if absent and ("--with povray" in line or "witness" in line):  # its picture, and what is asked of it
             continue
         with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as told:
             code = main(shlex.split(line)[1:])
@@ -59,7 +60,7 @@ def test_commands_run_and_say_what_the_page_says(page, tmp_path, monkeypatch):
             continue
         # `doctor` finds what a machine lacks, `compare` what differs: both are answers
         assert code == 0 or (code == 1 and line.split()[1] in ("doctor", "compare")), f"{line}: {out.getvalue()}"
-        if said:
+        if said and not (absent and "povray" in line):
             assert of_any_machine(out.getvalue()) == of_any_machine(said), line
 
 

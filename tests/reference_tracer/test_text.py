@@ -36,6 +36,11 @@ def test_prose_hangs_or_stands_below(monkeypatch, columns):
     assert starts == ({12} if columns == 80 else {4})  # beside only where 36 columns are left
 
 
+def test_prose_below_nothing_begins_at_once(monkeypatch):
+    narrow(monkeypatch, 30)
+    assert text.hanging(" " * 18, "one two three four").splitlines() == ["    one two three four"]
+
+
 @pytest.mark.parametrize("columns", [24, 40, 60, 200])
 def test_a_table_keeps_its_cells_and_its_width(monkeypatch, columns):
     narrow(monkeypatch, columns)
