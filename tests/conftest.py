@@ -5,6 +5,7 @@ import sys
 from collections import OrderedDict
 
 import pytest
+from flint import ctx
 
 from raytruth import reference_tracer  # noqa: F401  chooses the LLVM library
 from raytruth.reference_tracer import llvm
@@ -46,6 +47,13 @@ def own_recordings(monkeypatch):
     """What is recorded of a tracer that a test has changed is replayed in no other test."""
     if "raytruth.reference_tracer.tracer.render" in sys.modules:
         monkeypatch.setattr(sys.modules["raytruth.reference_tracer.tracer.render"], "_shared", OrderedDict())
+
+
+@pytest.fixture(autouse=True)
+def same_precision():
+    """Who sets flint's precision sets it back: it is one for the whole process."""
+    yield
+    assert (ctx.prec, ctx.cap) == (53, 10)
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ class Worker:
         """
         try:
             self._start()
-            line = self._exchange(json.dumps(request).encode() + b"\n", limit, told)
+            line = self._exchange(json.dumps({**request, "asker": os.getpid()}).encode() + b"\n", limit, told)
         except TimeoutError:
             self.close()
             return {"state": "timeout", "message": f"gave no answer within {limit:g} s"}

@@ -1,7 +1,7 @@
 """The child process in which cases are made: one line of JSON in, one line of JSON out, arrays through files.
 
-A request names a function, "module:function", and its arguments, a dict; the function answers with a dict that holds at
-least {"state": "ok"}. A fatal error of a renderer, which no Python code can catch, ends this process and nothing else.
+A request names a function, "module:function", its arguments, a dict, and the id of the process that asks; the function
+answers with a dict that holds at least {"state": "ok"}. A fatal error of a renderer, which no Python code can catch, ends this process and nothing else.
 """
 
 from __future__ import annotations
@@ -25,7 +25,10 @@ def main() -> None:
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # a file too large is an error of the write, not the end
     threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
     for line in sys.stdin:
-        _answers.write(json.dumps(answer(json.loads(line))) + "\n")
+        request = json.loads(line)
+        if request["asker"] != os.getppid():  # gone before this process could know it: `_end_with` waits for another one
+            return
+        _answers.write(json.dumps(answer(request)) + "\n")
 
 
 def tell(label: str, share: float) -> None:

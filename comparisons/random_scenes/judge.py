@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 from random import Random
 
 import numpy as np
-from flint import arb, ctx, fmpq
+from flint import arb, fmpq
 
-from .oracle import BITS, NOTHING, Hit, NotDefined, Oracle, Ray, Unsettled, along, dot, points, rational
+from .oracle import BITS, NOTHING, Hit, NotDefined, Oracle, Ray, Unsettled, along, dot, points, precision, rational
 
 UNDECIDED = 2  # of the status plane
 EPSILON = 2.0**-52
@@ -62,6 +62,7 @@ class Judge:
         self.reach = far(scene["camera"].get("position", (0,))) + max(
             far(o["surface"].get("center", (0,))) for o in scene["objects"])
 
+    @precision()
     def judge(self, picture, pixels: list[tuple[int, int]]) -> Judgement:
         """`picture` has the planes of reference_tracer.tracer.render.Picture; `pixels` are (row, column)."""
         found = Judgement()
@@ -69,6 +70,7 @@ class Judge:
             self._pixel(found, picture, row, column)
         return found
 
+    @precision()
     def judge_literal(self, picture, pixels: list[tuple[int, int]]) -> Judgement:
         """A picture by the literal method: hits, distances and normals of single objects, where its steps and Newton's
         iterations leave no choice."""
@@ -180,24 +182,19 @@ class Judge:
     def _hidden(self, solid, ray: Ray, t: fmpq, unit: fmpq):
         """The radius of f and the slope of f along the ray, with 53 bits, for coordinates off by `unit`."""
         o, d = solid.into(along(ray.o, ray.d, t)), solid.into(ray.d, is_direction=True)
-        ctx.prec = 53
-        try:
-            blurred = tuple(arb(c, arb(unit)) for c in map(arb, o))
-            s = solid.along(blurred, d, arb(0))
-            if not s.value.is_finite() or not s.slope.is_finite():
+        with precision(53):
+            try:
+                blurred = tuple(arb(c, arb(unit)) for c in map(arb, o))
+                s = solid.along(blurred, d, arb(0))
+            except Unsettled:
                 return None, None
-            return s.value.rad(), s.slope
-        except Unsettled:
-            return None, None
-        finally:
-            ctx.prec = BITS
+        return (s.value.rad(), s.slope) if s.value.is_finite() and s.slope.is_finite() else (None, None)
 
     def _allowed_angle(self, ray: Ray, hit: Hit, reach: fmpq) -> float:
         """How far the normal turns within `reach` of the hit, and what rounding hides of the gradient."""
         solid, t = self.oracle.solids[hit.index], hit.t.mid().fmpq()
         normal, most = self.oracle.normal_at(ray, hit), 0.0
-        ctx.prec = 4 * BITS
-        try:
+        with precision(4 * BITS):
             point = along(ray.o, ray.d, t)
             for k in range(3):
                 for sign in (-1, 1):
@@ -208,19 +205,15 @@ class Judge:
                         continue
                     straight = 1 if dot(there, normal) > 0 else -1
                     most = max(most, *(abs(float((straight * a - b).mid())) for a, b in zip(there, normal)))
-        finally:
-            ctx.prec = BITS
         return SPARE * most + self._hidden_of_gradient(solid, point, reach) + 1e-12
 
     def _hidden_of_gradient(self, solid, point, reach: fmpq) -> float:
         local = solid.into(point)
-        ctx.prec = 53
         try:
-            slopes = solid.gradient(tuple(arb(c, arb(reach)) for c in map(arb, local)))
+            with precision(53):
+                slopes = solid.gradient(tuple(arb(c, arb(reach)) for c in map(arb, local)))
         except Unsettled:
             return math.inf
-        finally:
-            ctx.prec = BITS
         if not all(s.is_finite() for s in slopes):
             return math.inf
         size = max(abs(s).lower() for s in slopes)

@@ -7,6 +7,7 @@ of a ray is inherited (M3); the light is that of section 4.3. Whatever cannot be
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from flint import arb, ctx, fmpq, fmpq_poly
@@ -37,9 +38,11 @@ class NotDefined(Unsettled):
     """f certainly has no value somewhere on the way (decision M7)."""
 
 
-def exactly():
-    """flint's settings in which everything here is computed."""
-    ctx.prec = BITS
+@contextmanager
+def precision(bits: int = BITS):
+    """flint's working precision, restored afterwards: others in this process have their own."""
+    with ctx.workprec(bits):
+        yield
 
 
 Triple = tuple
@@ -245,11 +248,8 @@ class _Search:
 
     def _is_negative(self, t: fmpq) -> bool:
         for bits in (BITS, 4 * BITS, 16 * BITS):
-            ctx.prec = bits
-            try:
+            with precision(bits):
                 g = self._at(arb(t))[0]
-            finally:
-                ctx.prec = BITS
             if _is_signed(g):
                 return bool(g < 0)
         raise Unsettled("f is zero at a point of the ray")
@@ -304,8 +304,8 @@ class Hit:
 class Oracle:
     """A scene, to be asked about single rays."""
 
+    @precision()
     def __init__(self, scene: dict):
-        exactly()
         self.solids = [Solid(o) for o in scene["objects"]]
         self.lights = [(balls(light["position"]), balls(light.get("brightness", (1, 1, 1))))
                        for light in scene.get("lights", ())]
@@ -324,6 +324,7 @@ class Oracle:
         half = arb(rational(camera.get("fov", 60.0))) / 360
         self.per_pixel = 2 * half.sin_pi() / half.cos_pi() / max(camera["width"], camera["height"])
 
+    @precision()
     def camera_ray(self, row: int, column: int) -> Ray:
         """The ray through the centre of a pixel (section 2, decisions C1 and F5)."""
         x = self.per_pixel * (fmpq(2 * column + 1, 2) - fmpq(self.camera["width"], 2))
@@ -344,6 +345,7 @@ class Oracle:
             inside.append(bool(value < 0))
         return Ray(o, d, tuple(inside), self.limit)
 
+    @precision()
     def first_hit(self, ray: Ray) -> Hit:
         firsts = []
         for k, solid in enumerate(self.solids):
@@ -358,6 +360,7 @@ class Oracle:
         gap = float(((firsts[1][0] - t) / t).mid()) if len(firsts) > 1 else float("inf")
         return Hit(min(same), t, tuple(k for k in same if k != min(same)), gap)
 
+    @precision()
     def literal_hit(self, ray: Ray) -> Hit:
         """What the literal method finds of a scene of one object (sections 4.1 and 4.2): the sign at every step follows
         from the crossings before it, and Newton starts in the middle of the step. Raises Unsettled where a crossing lies
@@ -389,17 +392,16 @@ class Oracle:
                 return arb(t)
         raise Unsettled("Newton does not arrive")
 
+    @precision()
     def normal_at(self, ray: Ray, hit: Hit) -> Triple:
         """The unit normal against the ray (decision N1): just before the hit, so that powers of f have a gradient too."""
-        ctx.prec = 4 * BITS
-        try:
+        with precision(4 * BITS):
             before = along(ray.o, ray.d, hit.t.mid().fmpq() * (1 - fmpq(1, 10**30)))
             normal = self.solids[hit.index].normal(before)
-        finally:
-            ctx.prec = BITS
         normal = tuple(+c for c in normal)
         return tuple(-c for c in normal) if dot(balls(ray.d), normal) > 0 else normal
 
+    @precision()
     def color(self, ray: Ray, generation: int = 0) -> Triple:
         """Section 4.3: the colour a ray brings back."""
         if generation > self.max_depth:  # decision D1

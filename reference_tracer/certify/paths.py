@@ -9,9 +9,10 @@ import numpy as np
 
 from ..tracer.render import Picture
 from .certificate import PathErrors
-from .precise import Critical, Path, PreciseTracer
+from .precise import BITS, Critical, Path, PreciseTracer
 from .records import KINDS
 from .sample import shares
+from .search import precision
 
 MOST_TESTS = 60_000  # rays times objects that the high-precision tracer may take on for a scene
 NUDGES = tuple(sign * size for size in (2e-16, 1e-14, 1e-12) for sign in (1, -1))  # radians
@@ -63,7 +64,8 @@ def _compare(result: PathErrors, tracer: PreciseTracer, picture: Picture, place,
         return
     result.rays += path.rays
     result.deepest = max(result.deepest, int(picture.depth[row, col]))
-    error = max(abs(float(exact - float(ours))) for exact, ours in zip(path.color, picture.color[row, col]))
+    with precision(BITS):
+        error = max(float(abs(exact - float(ours))) for exact, ours in zip(path.color, picture.color[row, col]))
     if path.decisions == decisions:
         result.largest_error = max(result.largest_error, error)
         result.above_bar += error > result.bar

@@ -44,7 +44,7 @@ def alive(process: int) -> bool:
 
 
 def wait_until_gone(processes) -> bool:
-    patience = time.monotonic() + 5
+    patience = time.monotonic() + 60
     while any(map(alive, processes)) and time.monotonic() < patience:
         time.sleep(0.02)
     return not any(map(alive, processes))
@@ -126,6 +126,19 @@ def test_a_suite_that_is_killed_takes_its_renderers_along(tmp_path):
     parent.stdout.close()
     assert wait_until_gone([worker])
     os.close(open_end)
+
+
+def test_a_worker_that_begins_after_its_suite_was_killed_does_nothing(tmp_path):
+    program = f"""
+import json, os, subprocess, sys
+worker = subprocess.Popen([sys.executable, "-m", "raytruth.comparisons.execution.worker"], stdin=subprocess.PIPE)
+worker.stdin.write(json.dumps({{"function": "time:sleep", "arguments": 600, "asker": os.getpid()}}).encode() + b"\\n")
+worker.stdin.flush()
+print(worker.pid, flush=True)
+os.kill(os.getpid(), 9)
+"""
+    parent = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE)
+    assert wait_until_gone([int(parent.stdout)])
 
 
 def test_what_a_worker_says_is_kept_within_bounds():

@@ -16,14 +16,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from flint import arb, arb_series, ctx
+from flint import arb, arb_series
 
 from raytruth.reference_tracer.backend import backend
+from raytruth.reference_tracer.certify.search import precision
 from raytruth.reference_tracer.numbers import composed
 from raytruth.reference_tracer.numbers import functions as fn
 from raytruth.reference_tracer.numbers import interval as stated
 from raytruth.reference_tracer.numbers.dual import Dual
-from raytruth.reference_tracer.numbers.exact import ORDER, Series
+from raytruth.reference_tracer.numbers.exact import Series
 from raytruth.reference_tracer.numbers.interval import Interval, OutwardInterval
 
 BITS = 160  # of the true values
@@ -350,13 +351,13 @@ def _result(case: Case, kind: str, outside, width, points) -> Result:
                   example)
 
 
+@precision(BITS)
 @np.errstate(all="ignore")
 def check(case: Case, count: int, seed: int = 1, kinds=KINDS, series: bool = True) -> list[Result]:
     """Holds one function of every type against true values at about `count` random arguments."""
     random, n = np.random.default_rng(seed), max(1, count // POINTS)
     bounds = [_intervals(random, n, 308.3 if k == 0 else case.reach) for k in range(case.arity)]
     points = [_points(random, *b).ravel() for b in bounds]
-    ctx.prec, ctx.cap = BITS, ORDER
     balls = tuple([arb(x) for x in p.tolist()] for p in points)
     value, slope = Truth.of(case.true, balls), Truth.of(case.slope, balls)
     slope.skipped |= np.isnan(value.nearest)
@@ -418,11 +419,11 @@ FLOATS = {"sqrt": (fn.sqrt, arb.sqrt), "cbrt": (fn.cbrt, _cbrt), "exp": (fn.exp,
           "sin": (fn.sin, arb.sin), "cos": (fn.cos, arb.cos), "atan2": (fn.atan2, arb.atan2)}
 
 
+@precision(BITS)
 @np.errstate(all="ignore")
 def float_errors(name: str, count: int, on_drjit: bool, seed: int = 2) -> tuple[float, float]:
     """The largest error of a function of floats whose argument and value are finite and normal, and what is granted: for
     sine and cosine absolute and up to LARGEST_ANGLE, for others in units in the last place."""
-    ctx.prec = BITS
     function, true = FLOATS[name]
     x = _numbers(np.random.default_rng(seed), count, 308.3)
     wave = name in ("sin", "cos")
