@@ -1,7 +1,8 @@
 """The child process in which cases are made: one line of JSON in, one line of JSON out, arrays through files.
 
 A request names a function, "module:function", its arguments, a dict, and the id of the process that asks; the function
-answers with a dict that holds at least {"state": "ok"}. A fatal error of a renderer, which no Python code can catch, ends this process and nothing else.
+answers with a dict that holds at least {"state": "ok"}. A fatal error of a renderer, which no Python code can catch, ends
+this process and nothing else.
 """
 
 from __future__ import annotations

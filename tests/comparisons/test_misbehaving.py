@@ -129,10 +129,10 @@ def test_a_suite_that_is_killed_takes_its_renderers_along(tmp_path):
 
 
 def test_a_worker_that_begins_after_its_suite_was_killed_does_nothing(tmp_path):
-    program = f"""
+    program = """
 import json, os, subprocess, sys
 worker = subprocess.Popen([sys.executable, "-m", "raytruth.comparisons.execution.worker"], stdin=subprocess.PIPE)
-worker.stdin.write(json.dumps({{"function": "time:sleep", "arguments": 600, "asker": os.getpid()}}).encode() + b"\\n")
+worker.stdin.write(json.dumps({"function": "time:sleep", "arguments": 600, "asker": os.getpid()}).encode() + b"\\n")
 worker.stdin.flush()
 print(worker.pid, flush=True)
 os.kill(os.getpid(), 9)
