@@ -33,8 +33,9 @@ document.addEventListener("keydown", (event) => {
 });
 
 // A link to something folded opens what holds it.
-function unfold() {
-  const target = location.hash && document.getElementById(location.hash.slice(1)); // anchors are plain: see slug
+function unfold(event) {
+  const { hash } = event.newURL ? new URL(event.newURL) : location; // a viewer may have put its own in `location` by now
+  const target = hash && document.getElementById(hash.slice(1)); // anchors are plain: see slug
   for (let at = target; at; at = at.parentElement) if (at.tagName === "DETAILS") at.open = true;
   if (target) target.scrollIntoView();
 }

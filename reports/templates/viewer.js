@@ -419,7 +419,9 @@ for (const root of document.querySelectorAll(".viewer")) { // one a scene: a fil
     root.scrollIntoView({ block: "start" });
     canvas.focus({ preventScroll: true });
   });
-  addEventListener("hashchange", () => { if (follow(location.hash)) { set({}); root.scrollIntoView(); } else controls(); });
+  addEventListener("hashchange", (event) => { // what is remembered of a viewer may stand in `location` by now
+    if (follow(new URL(event.newURL).hash)) { set({}); root.scrollIntoView(); } else controls();
+  });
   new ResizeObserver(draw).observe(canvas);
 
   find("tool").hidden = false;

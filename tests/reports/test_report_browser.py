@@ -415,6 +415,13 @@ def test_one_file_shows_several_scenes_each_with_its_own_viewer(browser, tmp_pat
         page.wait_for_function(f"() => document.querySelector('#{word}-viewer [data-row=red] td').textContent")  # after the address
         reds = page.locator(f"#{word}-viewer [data-row=red] td").all_inner_texts()[:2]
         assert [float(text) for text in reds] == [pictures[name].color[FAR][0] for name in order]
+    page.evaluate(f"""() => {{ // an address that has been followed by what a viewer remembers, before the page hears of it
+        history.replaceState(null, "", "#twin-viewer&a=bad&b=good");
+        const newURL = new URL("#twin-viewer&a=good&b=bad&row={ROW}&col={COL}", location).href;
+        dispatchEvent(new HashChangeEvent("hashchange", {{ newURL }}));
+    }}""")
+    assert [float(text) for text in page.locator("#twin-viewer [data-row=red] td").all_inner_texts()[:2]] == [
+        pictures[name].color[ROW, COL][0] for name in ("bad", "good")]
     assert [url for url in asked if not url.startswith(("data:", f"file://{file}"))] == []
     page.close()
 
