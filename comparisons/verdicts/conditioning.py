@@ -16,10 +16,20 @@ from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.given_rays import GivenRays
 from raytruth.reference_tracer.tracer.render import UNDECIDED
-from raytruth.reference_tracer.tracer.sensitivity import FLOOR_UNITS, PROBES, SAFETY, UNIT, Displaced, perturbed, response
+from raytruth.reference_tracer.tracer.sensitivity import (
+    FLOOR_UNITS,
+    PROBES,
+    SAFETY,
+    UNIT,
+    Displaced,
+    Perturbations,
+    perturbed,
+    response,
+)
 
 from ..execution import store
 from ..execution.store import Store
+from ..execution.worker import tell
 from .metrics import Planes, interior, largest_around, neighbours, uniform_around
 
 FOLDER = "limits"
@@ -77,18 +87,23 @@ def accuracy_from(told: dict) -> Accuracy:
 
 
 def make(arguments: dict) -> dict:
-    """In a worker: measures limits, which are kept for all who ask for them."""
+    """In a worker: measures the limits of all `accuracies` on a scene, which are kept for all who ask for them."""
     scene, kept = parse_scene(arguments["scene"].encode(), "scene"), Store(Path(arguments["results"]), FOLDER)
-    limits(scene, accuracy_from(arguments["accuracy"]), kept)
+    recorded: dict[str, Perturbations] = {}
+    for k, accuracy in enumerate(arguments["accuracies"]):
+        tell(f"accuracy {k + 1} of {len(arguments['accuracies'])}", k / len(arguments["accuracies"]))
+        limits(scene, accuracy_from(accuracy), kept, recorded=recorded)
     return {"state": "ok"}
 
 
-def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact", given: GivenRays | None = None) -> Limits:
-    """The limits of a renderer of `accuracy` on `scene`, against the reference's `method`; or on the rays `given`."""
+def limits(scene: Scene, accuracy: Accuracy, kept: Store, method: str = "exact", given: GivenRays | None = None,
+           recorded: dict[str, Perturbations] | None = None) -> Limits:
+    """The limits of a renderer of `accuracy` on `scene`, against the reference's `method`; or on the rays `given`. `recorded`
+    as in sensitivity.response."""
     if (found := kept_limits(scene.hash, accuracy, kept, method, given)) is not None:
         return found
     key = key_of(scene.hash, accuracy, method, given)
-    made = _measured(scene, accuracy, method, given)
+    made = _measured(scene, accuracy, method, given, recorded)
     planes = {name: plane.astype(np.float32) * np.float32(UP) if plane.dtype == float else plane
               for name, plane in vars(made).items()}
     store.save(kept.file(key), **planes)
@@ -108,8 +123,9 @@ def key_of(scene_hash: str, accuracy: Accuracy, method: str = "exact", given: Gi
     return store.key(scene_hash, method, asdict(accuracy), PROBES, *rays, made_by=(__name__,))
 
 
-def _measured(scene: Scene, accuracy: Accuracy, method: str, given: GivenRays | None) -> Limits:
-    found = response(scene, method, accuracy.precision, displaced=accuracy.displaced, given=given)
+def _measured(scene: Scene, accuracy: Accuracy, method: str, given: GivenRays | None,
+              recorded: dict[str, Perturbations] | None) -> Limits:
+    found = response(scene, method, accuracy.precision, displaced=accuracy.displaced, given=given, recorded=recorded)
     # an edge that no perturbation moved across this pixel may have been moved across its neighbour; rays have none
     around = (lambda plane: plane) if given else largest_around
     picture, rounding = found.picture, FLOOR_UNITS * UNIT[accuracy.precision]

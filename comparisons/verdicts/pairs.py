@@ -91,17 +91,19 @@ class Measurements:
         self._found |= complete(tasks, self.store, self.pool, Measured.model_validate_json, _settled)
 
     def _make_limits(self, pairs: Iterable[Pair]) -> None:
-        """Measures what `pairs` will be held to, each once: two pairs that are measured at once do not wait for each other.
-        What fails here fails again, and is told, where a pair asks for it."""
-        kept, tasks = Store(self.results, conditioning.FOLDER), {}
+        """Measures what `pairs` will be held to, all of a scene in one case: its pictures are replays of one recording, whose
+        kernels would be compiled by each of several cases that begin at once. What fails here fails again, and is told,
+        where a pair asks for it."""
+        kept, wanted = Store(self.results, conditioning.FOLDER), {}
         for pair in pairs:
             for accuracy in pair.accuracies:
                 key = conditioning.key_of(pair.scene.hash, conditioning.accuracy_from(accuracy))
-                if key not in tasks and kept.find(key, str) is None:
-                    tasks[key] = Task(key, f"limits: {pair.scene.name}", "raytruth.comparisons.verdicts.conditioning:make", {
-                        "scene": pair.scene.model_dump_json(by_alias=True), "results": str(self.results),
-                        "accuracy": accuracy}, self.limit, "measure")
-        for _ in self.pool.run(tasks.values()):
+                if kept.find(key, str) is None:
+                    wanted.setdefault(pair.scene.hash, (pair.scene, {}))[1][key] = accuracy
+        tasks = [Task(hash, f"limits: {scene.name}", "raytruth.comparisons.verdicts.conditioning:make", {
+            "scene": scene.model_dump_json(by_alias=True), "results": str(self.results), "accuracies": list(missing.values())},
+            self.limit * len(missing), "measure") for hash, (scene, missing) in wanted.items()]
+        for _ in self.pool.run(tasks):
             pass
 
     def of(self, pair: Pair) -> Measured:

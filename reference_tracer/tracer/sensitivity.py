@@ -194,23 +194,31 @@ class Response:
 
 
 def response(scene: Scene, method: str = "exact", precision: int = 32, probes: int = PROBES,
-             displaced: Displaced | None = None, progress=lambda share: None, given: GivenRays | None = None) -> Response:
+             displaced: Displaced | None = None, progress=lambda share: None, given: GivenRays | None = None,
+             recorded: dict[str, Perturbations] | None = None) -> Response:
     """Measures what rounding to `precision` bits may change, and surfaces that are `displaced`; of the rays `given`, where
-    there are any, in place of the camera's."""
+    there are any, in place of the camera's. What is `recorded` of a scene, by its hash, is replayed and added to; of one
+    `method` only, and not of `given` rays."""
     if given:
-        return _response(given.scene(scene), method, precision, probes, displaced, progress, given)
+        return _response(Perturbations(given.scene(scene), method, displaced, given), precision, probes, progress)
+    recorded = {} if recorded is None else recorded
     if scene.tracing.samples > 1:  # first hits are those of the ray through a pixel's centre
-        centre = response(scene.traced_with(samples=1), method, precision, probes, displaced)
-        found = _response(scene, method, precision, probes, displaced, progress)
+        centre = response(scene.traced_with(samples=1), method, precision, probes, displaced, recorded=recorded)
+        found = _response(_again(scene, method, displaced, recorded), precision, probes, progress)
         for name in ("t", "normal"):
             found.smooth[name], found.jump[name] = centre.smooth[name], centre.jump[name]
         return replace(found, seen=centre.seen, risk=found.risk | centre.risk)
-    return _response(scene, method, precision, probes, displaced, progress)
+    return _response(_again(scene, method, displaced, recorded), precision, probes, progress)
 
 
-def _response(scene: Scene, method: str, precision: int, probes: int, displaced: Displaced | None, progress,
-              given: GivenRays | None = None) -> Response:
-    made = Perturbations(scene, method, displaced, given)
+def _again(scene: Scene, method: str, displaced: Displaced | None, recorded: dict[str, Perturbations]) -> Perturbations:
+    if scene.hash not in recorded:
+        recorded[scene.hash] = Perturbations(scene, method)
+    recorded[scene.hash].displaced = displaced
+    return recorded[scene.hash]
+
+
+def _response(made: Perturbations, precision: int, probes: int, progress) -> Response:
     truth = made.picture(0.0, seed=0)
     shape, signatures = truth.t.shape, made.signatures
     found = Response(truth, *({name: np.zeros(shape) for name in ("color", "t", "normal")} for _ in range(2)),

@@ -126,6 +126,20 @@ def test_replayed_pictures_are_those_made_afresh(name, method):
 
 
 @pytest.mark.parametrize("samples", [1, 2])
+def test_responses_that_share_recordings_are_those_made_alone(samples):
+    small = scene("figure-17-scene1").resized(24, 18, samples)
+    count, recorded = len(small.objects), {}
+    for precision, displaced in ((32, None), (64, Displaced((1e-2,) * count, (1e-2,) * count, (1e-3,) * count)), (64, None)):
+        of = {"precision": precision, "displaced": displaced, "probes": 3}
+        together, alone = response(small, **of, recorded=recorded), response(small, **of)
+        for name in ("color", "t", "normal"):
+            assert np.array_equal(together.smooth[name], alone.smooth[name]) and np.array_equal(together.jump[name], alone.jump[name])
+        assert all(np.array_equal(getattr(together, plane), getattr(alone, plane)) for plane in ("risk", "seen", "touched", "grazing"))
+        assert alone.touched.any() == (displaced is not None)
+    assert len(recorded) == samples  # with several samples, the rays through pixels' centres have recordings of their own
+
+
+@pytest.mark.parametrize("samples", [1, 2])
 def test_a_picture_that_nothing_disturbs_is_the_picture(samples):
     """One recording shows world after world: none of them may be left behind in a kernel, also of pixels' centres."""
     tracing = {"samples": samples}
