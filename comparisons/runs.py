@@ -15,7 +15,7 @@ from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.image_files import save_npz
 
-from . import renderers
+from . import meshes, renderers
 from .execution import store
 from .execution.pool import Pool, Task, complete
 from .planes import problem, read_planes
@@ -77,7 +77,7 @@ class RunStore(store.Store):
         by_key = {r.key: r for r in requests}
         tasks = [Task(key, f"{r.renderer}: {r.scene.name}", "raytruth.comparisons.runs:make", {
             "renderer": r.renderer, "settings": r.settings, "scene": r.scene.model_dump_json(by_alias=True),
-            "planes": str(self.file(key))}, limit, r.process) for key, r in by_key.items()]
+            "planes": str(self.file(key)), "results": str(self.folder.parent)}, limit, r.process) for key, r in by_key.items()]
         return complete(tasks, self, pool, Run.model_validate_json, partial(self._settled, by_key), arrays=True)
 
     def make(self, request: Request, pool: Pool, limit: float) -> Run:
@@ -108,6 +108,7 @@ def make(arguments: dict) -> dict:
     scene = parse_scene(arguments["scene"].encode(), "scene")
     most = LARGEST_FILE[0] + LARGEST_FILE[1] * scene.camera.width * scene.camera.height
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
+    meshes.keep_in(Path(arguments["results"]))
     picture = renderers.render(arguments["renderer"], scene, arguments["settings"])
     facts = {k: v for k, v in picture.metadata.items()
              if isinstance(v, (int, float, str, bool)) or v is None or k in OF_OBJECTS}

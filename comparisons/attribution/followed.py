@@ -15,7 +15,7 @@ from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.image_files import load_npz
 from raytruth.reference_tracer.tracer.render import Picture
 
-from .. import renderers
+from .. import meshes, renderers
 from ..document import Record
 from ..execution import store
 from ..execution.pool import Pool, Task, complete
@@ -55,12 +55,13 @@ def _task(scene: Scene, reference: Run, test: Run, verdict: Verdict, worst: list
     return Task(store.key(reference.key, test.key, places, thorough, made_by=(__name__, *code)),
                 f"rays: {scene.name}, {test.renderer}", f"{__name__}:answer", {
         "scene": scene.model_dump_json(by_alias=True), "renderers": [reference.renderer, test.renderer], "places": places,
-        "thorough": thorough,
+        "thorough": thorough, "results": str(folder),
         "planes": [str(folder / run.planes) for run in (reference, test)]}, SECONDS, "attribution")
 
 
 def answer(request: dict) -> dict:
     """In a worker: the rays of some pixels in two renderers."""
+    meshes.keep_in(Path(request["results"]))
     scene = parse_scene(request["scene"].encode(), "scene")
     pictures = [Picture(scene=scene, **load_npz(path)[0]) for path in request["planes"]]
     tracers = [_tracer(name, request["thorough"]) for name in request["renderers"]]

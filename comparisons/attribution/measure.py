@@ -15,7 +15,7 @@ from raytruth.reference_tracer.scene.load import parse_scene
 from raytruth.reference_tracer.scene.model import Scene
 from raytruth.reference_tracer.tracer.render import Picture, Renderer
 
-from .. import document, renderers
+from .. import document, meshes, renderers
 from ..execution import pool as pools
 from ..execution import store
 from ..execution.cluster import engine
@@ -219,6 +219,7 @@ def make_all(tasks: Sequence[Task], folder: Path, pool: Pool, limit: float = SEC
 def answer(request: dict) -> dict:
     """In a worker: the attribution of two renderers on a scene, and whether their comparison differs."""
     llvm.narrow_kernels()  # each derived scene has kernels of its own, for one small picture
+    meshes.keep_in(Path(request["results"]))
     scene = parse_scene(request["scene"].encode(), "scene")
     a = of_renderer(request["a"])
     b = of_renderer(request["b"]) if request["fault"] is None else of_fault(request["fault"])

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import time
 from collections import OrderedDict
+from typing import Protocol
 
 import numpy as np
 
@@ -30,6 +32,14 @@ MEASURED = 100_000  # triangles, the most curved ones, where no error is asked f
 MOST_KEPT = 1 << 28  # bytes of meshes that a process keeps for the next scene
 
 
+class Shelf(Protocol):
+    """Where meshes outlast this process, by what they are made of."""
+
+    def take(self, made_of: str) -> Mesh | None: ...
+    def put(self, made_of: str, mesh: Mesh) -> None: ...
+
+
+shelf: Shelf | None = None  # there is none, unless who runs this process sets one
 _kept: OrderedDict[str, Mesh] = OrderedDict()  # by what they are made of, the last used at the end
 
 
@@ -44,16 +54,24 @@ def mesh_object(obj: Object, scene: Scene, resolution: int = 256) -> Mesh:
     within = None if placed.region is not None else reach_in_frame(scene, obj).tolist()
     key = json.dumps([obj.model_dump(mode="json", include={"surface", "rotation"}), within, resolution], sort_keys=True)
     if key not in _kept:
-        vertices, faces, clipped = _triangles(placed, scene, resolution)
-        normals = normals_at(placed, vertices, faces)
-        looked_at = worst(vertices, faces, normals, MEASURED)
-        errors = of_triangles(placed, vertices, looked_at)
-        _kept[key] = _placed_mesh(placed, vertices, faces, normals, resolution, looked_at, errors, clipped)
+        found = shelf.take(key) if shelf else None
+        _kept[key] = found or _made(placed, scene, resolution)
+        if shelf and not found:
+            shelf.put(key, _kept[key])
     _kept.move_to_end(key)
     mesh = _kept[key]
     while sum(m.nbytes for m in _kept.values()) > MOST_KEPT:
         _kept.popitem(last=False)
     return mesh
+
+
+def _made(placed: Placed, scene: Scene, resolution: int) -> Mesh:
+    start = time.perf_counter()
+    vertices, faces, clipped = _triangles(placed, scene, resolution)
+    normals = normals_at(placed, vertices, faces)
+    looked_at = worst(vertices, faces, normals, MEASURED)
+    errors = of_triangles(placed, vertices, looked_at)
+    return _placed_mesh(start, placed, vertices, faces, normals, resolution, looked_at, errors, clipped)
 
 
 def require_settings(resolution: int = COARSEST, error: float | None = None, share: float = 1.0) -> None:
@@ -75,7 +93,7 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
     memory does not suffice, or where the error cannot be measured.
     """
     require_settings(error=error, share=share)
-    placed, resolution, order = Placed(obj), COARSE, 2.0
+    start, placed, resolution, order = time.perf_counter(), Placed(obj), COARSE, 2.0
     before = None
     for _ in range(MOST_ROUNDS):
         vertices, faces, clipped = _triangles(placed, scene, resolution)
@@ -90,7 +108,7 @@ def mesh_to_error(obj: Object, scene: Scene, error: float, share: float = 1.0) -
         wanted = max(COARSEST, math.ceil(SPARE * resolution * (found / error) ** (1 / order)))
         if (found <= error and wanted >= 0.9 * resolution) or found <= EXACT * error:
             normals = normals_at(placed, vertices, faces)
-            return _placed_mesh(placed, vertices, faces, normals, resolution, faces, errors, clipped)
+            return _placed_mesh(start, placed, vertices, faces, normals, resolution, faces, errors, clipped)
         before = resolution, found
         resolution = max(wanted, resolution + 1) if found > error else wanted
     raise InputError(f"a mesh of {obj.name or obj.surface.type} reaches an error of {found:.1g} at {before[0]} cells, "
@@ -126,9 +144,11 @@ def _marched(placed: Placed, box, resolution: int):
     return project(placed, vertices, cell), faces
 
 
-def _placed_mesh(placed: Placed, vertices, faces, normals, resolution: int, looked_at, errors, clipped: str) -> Mesh:
+def _placed_mesh(start: float, placed: Placed, vertices, faces, normals, resolution: int, looked_at, errors,
+                 clipped: str) -> Mesh:
     turns = of_normals(placed, vertices, normals, looked_at)
     found = (float(placed.distance(vertices).max(initial=0.0)), float(errors.max()), kept(errors, 0.99, 5 * len(faces)),
              kept(turns, 0.99, 4 * len(faces)))
     return Mesh(placed.to_world(vertices), faces, placed.turned(normals), resolution,
-                *(e if math.isfinite(e) else None for e in found), placed.box is not None, clipped)
+                *(e if math.isfinite(e) else None for e in found), placed.box is not None, clipped,
+                time.perf_counter() - start)

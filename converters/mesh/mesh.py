@@ -26,6 +26,7 @@ class Mesh:
     # at keep; None: not measurable
     closed: bool  # whether the surface is bounded, so that the mesh must be watertight
     clipped: str  # what was cut off or may have been, in one sentence; empty for a surface that is proven to be bounded
+    seconds: float  # that it took to make it, whoever made it
 
     def __post_init__(self):
         for array in (self.vertices, self.faces, self.normals):  # several scenes may share them

@@ -77,8 +77,10 @@ def convert(scene: Scene, shapes: str = "native", resolution: int = 256, error: 
         elif exact:
             shape, part = exact[0], Part("native", 0, 0.0, exact[1])
         else:
+            asked = time.perf_counter()
             mesh = (mesh_object(obj, scene, resolution) if error is None
                     else mesh_to_error(obj, scene, error, share))
+            start += time.perf_counter() - asked - mesh.seconds  # it may have been made before, for another renderer
             shape = meshed(mesh, f"object-{index}") if mesh.triangles else None
             part = Part("mesh" if shape else "nothing", mesh.triangles, mesh.error, mesh.clipped, mesh.tilt,
                         mesh.normal_error)
