@@ -1,5 +1,5 @@
 # make report   everything from nothing: environment, pictures, comparisons, reports/html/index.html
-# make test     the tests
+# make test     the linter and the tests; most of them with kernels that compile in half the time, see tests/conftest.py
 # make check    the linter, and the tests that take no time
 # make fuzz     5000 hostile inputs against the command line; takes its time
 # make enclosures  every number type against python-flint on a million arguments a function
@@ -24,11 +24,15 @@ report: $(VENV)/installed
 	@echo "open reports/html/index.html"
 
 test: $(VENV)/installed
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	$(BIN)/ruff check .
+	@failed=0; \
+	RAYTRUTH_NARROW_KERNELS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not wide" || failed=1; \
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m wide || failed=1; \
+	exit $$failed
 
 check: $(VENV)/installed
 	$(BIN)/ruff check .
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+	RAYTRUTH_NARROW_KERNELS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 fuzz: $(VENV)/installed
 	$(BIN)/python tests/fuzz/fuzz.py --inputs 5000

@@ -10,7 +10,7 @@ from flint import ctx
 from raytruth import reference_tracer  # noqa: F401  chooses the LLVM library
 from raytruth.reference_tracer import llvm
 
-# tests share processes, and a command that asks for narrow kernels changes fp32 in all later ones
+# tests share processes, and a command that asks for narrow kernels changes fp32 in all later ones: all are narrow or none
 os.environ.setdefault(llvm.NARROW, "0")
 os.environ.pop("COLUMNS", None)  # a worker of pytest-xdist has 80, as if there were a terminal
 
@@ -29,6 +29,11 @@ SLOW = {
     "wavefront_against_recursion"}
 
 
+# files in which fp32 has to keep its limits: `make test` compiles kernels for them as users do, for all others narrow ones,
+# whose pictures in fp64 have the same bits (test_repeatability.py)
+WIDE = {"exports", "mitsuba_geometry", "mitsuba_grids", "mitsuba_picture", "mitsuba_refined", "nearest_scene",
+        "right_is_never_odd", "transport_cases"}
+
 # files of half a minute and more: begun first, so that no processor waits for one of them at the end
 LONG = ("port_checks", "povray_picture", "report_browser", "check_image", "accumulation", "pool", "interrupted_suites", "cluster",
         "oracle", "right_is_never_odd", "hostile_inputs")
@@ -40,6 +45,8 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if item.path.stem.removeprefix("test_") in SLOW:
             item.add_marker("slow")
+        if item.path.stem.removeprefix("test_") in WIDE:
+            item.add_marker("wide")
 
 
 @pytest.fixture(autouse=True)
