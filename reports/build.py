@@ -152,8 +152,8 @@ def fingerprint(results: Results, folder: Path, against: str | Path | None = Non
 def _code() -> str:
     """A hash of all code, templates and packages."""
     digest = hashlib.sha256(json.dumps([packages(), source_hash()], sort_keys=True).encode())
-    here = Path(__file__).parent
-    for file in sorted(p for p in here.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
+    here = Path(__file__).parent  # in a checkout, OUTPUT lies in it too: a report is not made from itself
+    for file in sorted([*here.rglob("*.py"), *(here / "templates").iterdir(), here / "published.json"]):
         digest.update(f"{file.relative_to(here).as_posix()} {file.stat().st_size}\n".encode() + file.read_bytes())
     return digest.hexdigest()
 

@@ -1,6 +1,7 @@
 """A report is left as it is only if nothing that it is made from, and nothing in it, has changed."""
 
 import importlib
+import shutil
 from pathlib import Path
 
 import pytest
@@ -89,3 +90,21 @@ def test_pictures_of_scenes_that_have_not_changed_are_taken_over(folder, html, m
     next((html / "planes").iterdir()).write_bytes(b"cut")  # a report that is not whole gives nothing
     reports.build(folder, html)
     assert {"figure-05-sphere"} in made
+
+
+def test_a_report_in_the_checkout_is_not_made_from_itself(tmp_path, monkeypatch):
+    """By default it is written to reports/html, beside the code that makes it."""
+    here = Path(building.__file__).parent
+    for part in ("text", "templates"):
+        shutil.copytree(here / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(here / "published.json", tmp_path)
+    monkeypatch.setattr(building, "__file__", str(tmp_path / "build.py"))
+    before = building._code()
+    (tmp_path / "html" / "pages").mkdir(parents=True)
+    for name in ("index.html", "viewer.js", "pages/scene.html", building.STAMP):
+        (tmp_path / "html" / name).write_text("made")
+    assert building._code() == before
+    for name in ("text/words.py", "templates/viewer.js", "templates/scene.html.j2", "published.json"):
+        (tmp_path / name).write_text((tmp_path / name).read_text() + "\n")
+        assert building._code() != before
+        before = building._code()
