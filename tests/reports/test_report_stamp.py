@@ -62,6 +62,8 @@ def test_documents_and_source_are_in_the_fingerprint(folder, monkeypatch, tmp_pa
     found.add(building.fingerprint(results, folder))
     monkeypatch.setattr(building, "source_hash", lambda: "other code")
     found.add(building.fingerprint(results, folder))
+    (tmp_path / "templates").mkdir()
+    (tmp_path / "published.json").write_text("{}")
     monkeypatch.setattr(building, "__file__", str(tmp_path / "build.py"))  # other source of the reports
     found.add(building.fingerprint(results, folder))
     assert len(found) == 5
