@@ -167,7 +167,7 @@ def cells(page, row: str) -> list[str]:
 
 
 def state(page) -> dict[str, str]:
-    page.wait_for_timeout(250)  # the address follows the state
+    page.wait_for_function("() => location.hash === document.querySelector('#viewer [data-part=link]').hash")  # it follows
     return dict(re.findall(r"(\w+)=([^&]*)", page.url))
 
 
