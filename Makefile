@@ -20,6 +20,7 @@ SUITES := "compare --largest 320 --jobs 3 --report reports/html" "transport --jo
 
 report: $(VENV)/installed
 	@for suite in $(SUITES); do echo "raytruth $$suite"; $(BIN)/raytruth $$suite || [ $$? -eq 1 ] || exit 1; \
+	  [ -z "$$(find results -maxdepth 1 -name '*.json' ! -name times.json -newer reports/html/index.html)" ] || \
 	  $(BIN)/raytruth report || exit 1; done
 	@echo "open reports/html/index.html"
 

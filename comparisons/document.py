@@ -56,10 +56,11 @@ def read(path: Path, kind: type[Document], command: str) -> Document:
 def keep(document: Document, path: Path, command: str) -> Document:
     """Writes `document`, unless the file already holds the same one of an earlier time, which is returned.
 
-    `document` has the fields `created` and `seconds`.
+    The fields `created` and `seconds` do not count.
     """
+    times = {name: blank for name, blank in (("created", ""), ("seconds", 0)) if name in type(document).model_fields}
     # as texts: NaN, which a document may hold, is not equal to itself
-    timeless = lambda found: found.model_copy(update={"created": "", "seconds": 0}).model_dump_json()
+    timeless = lambda found: found.model_copy(update=times).model_dump_json()
     earlier = found(path, type(document), command)
     if earlier is not None and timeless(earlier) == timeless(document):
         return earlier

@@ -12,7 +12,7 @@ from ..document import Record
 from ..results import State
 
 VERSION = 1
-FILE = "matrix.json"
+FILE, COMMAND = "matrix.json", "raytruth compare"
 
 
 class Member(Record):
@@ -109,10 +109,10 @@ def joined(earlier: Matrix | None, matrix: Matrix) -> Matrix:
     return document.joined(earlier, found, {"members": lambda m: m.name, "tightness": lambda t: (t.tolerance, t.gate)})
 
 
-def write(matrix: Matrix, folder: Path) -> Path:
-    return document.write(matrix, folder / FILE)
+def write(matrix: Matrix, folder: Path) -> None:
+    document.keep(matrix, folder / FILE, COMMAND)
 
 
 def read(folder: Path) -> Matrix:
     """The matrix in `folder`. Raises InputError in one line."""
-    return document.read(folder / FILE, Matrix, "raytruth compare")
+    return document.read(folder / FILE, Matrix, COMMAND)

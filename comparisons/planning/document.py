@@ -149,4 +149,4 @@ def add(plan: Plan, folder: Path) -> None:
     Raises InputError if the folder holds plans that cannot be read.
     """
     others = [p for p in read(folder).plans if p.scene != plan.scene] if (folder / FILE).exists() else []
-    document.write(document_of(sorted([*others, plan], key=lambda p: p.scene)), folder / FILE)
+    document.keep(document_of(sorted([*others, plan], key=lambda p: p.scene)), folder / FILE, COMMAND)
