@@ -33,7 +33,7 @@ test: $(VENV)/installed
 
 check: $(VENV)/installed
 	$(BIN)/ruff check .
-	RAYTRUTH_NARROW_KERNELS=1 $(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m "not slow"
 
 fuzz: $(VENV)/installed
 	$(BIN)/python tests/fuzz/fuzz.py --inputs 5000

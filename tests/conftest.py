@@ -54,6 +54,8 @@ def own_recordings(monkeypatch):
     """What is recorded of a tracer that a test has changed is replayed in no other test."""
     if "raytruth.reference_tracer.tracer.render" in sys.modules:
         monkeypatch.setattr(sys.modules["raytruth.reference_tracer.tracer.render"], "_shared", OrderedDict())
+    if "raytruth.converters.mesh.convert" in sys.modules:  # where a worker's function, called here, has put meshes
+        monkeypatch.setattr(sys.modules["raytruth.converters.mesh.convert"], "shelf", None)
 
 
 @pytest.fixture(autouse=True)

@@ -109,8 +109,9 @@ def joined(earlier: Matrix | None, matrix: Matrix) -> Matrix:
     return document.joined(earlier, found, {"members": lambda m: m.name, "tightness": lambda t: (t.tolerance, t.gate)})
 
 
-def write(matrix: Matrix, folder: Path) -> None:
+def write(matrix: Matrix, folder: Path) -> Path:
     document.keep(matrix, folder / FILE, COMMAND)
+    return folder / FILE
 
 
 def read(folder: Path) -> Matrix:

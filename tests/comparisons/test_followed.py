@@ -19,7 +19,7 @@ def asked(tmp_path_factory):
     for name, picture in pictures.items():
         save_npz(picture, folder / f"{name}.npz")
     return {"scene": scene.model_dump_json(by_alias=True), "renderers": list(pictures), "places": PLACES,
-            "thorough": True,
+            "thorough": True, "results": str(folder),
             "planes": [str(folder / f"{name}.npz") for name in pictures]}, list(pictures.values())
 
 
