@@ -14,7 +14,7 @@ from .execution import store
 from .execution.store import Store
 
 FOLDER = "meshes"
-MOST_BYTES = 1 << 30  # of a folder: the meshes of the document's scenes take two thirds of it
+MOST_BYTES = 1 << 31  # of a folder; a mesh of 256 cells has about 15 MB
 ARRAYS = ("vertices", "faces", "normals")
 
 
@@ -32,11 +32,13 @@ class MeshStore(Store):
     def take(self, made_of: str) -> Mesh | None:
         """The mesh of what `mesh_object` calls it, if it is there."""
         key = self._key(made_of)
-        told = self.find(key, json.loads)
-        if told is None:
+        try:
+            if (told := self.find(key, json.loads)) is None:
+                return None
+            arrays = store.load(self.file(key))
+            return Mesh(**{**told, **arrays, "faces": arrays["faces"].astype(np.int64)})
+        except (OSError, ValueError, KeyError, TypeError):  # another process has removed it, or it is none of ours
             return None
-        arrays = store.load(self.file(key))
-        return Mesh(**{**told, **arrays, "faces": arrays["faces"].astype(np.int64)})
 
     def put(self, made_of: str, mesh: Mesh) -> None:
         """Keeps `mesh`. Raises UnwritableError."""

@@ -244,8 +244,7 @@ def wrong_on_purpose(folder: Path, *, jobs: int = 2, progress: Progress | None =
     table = Table(width=WIDTH, height=HEIGHT, command=COMMAND, rows=[
         _row(f, effect, [_judgement(judge, answers[tasks[id, effect, judge]]) for judge in judges])
         for (id, effect), f in rows.items()])
-    document.write(table, folder / FILE)
-    return table
+    return document.keep(table, folder / FILE, COMMAND)
 
 
 def _row(f: Fault | None, effect: str, judgements: list[Judgement]) -> WrongOnPurpose:

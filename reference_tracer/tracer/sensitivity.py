@@ -204,14 +204,14 @@ def response(scene: Scene, method: str = "exact", precision: int = 32, probes: i
     recorded = {} if recorded is None else recorded
     if scene.tracing.samples > 1:  # first hits are those of the ray through a pixel's centre
         centre = response(scene.traced_with(samples=1), method, precision, probes, displaced, recorded=recorded)
-        found = _response(_again(scene, method, displaced, recorded), precision, probes, progress)
+        found = _response(_perturbations(scene, method, displaced, recorded), precision, probes, progress)
         for name in ("t", "normal"):
             found.smooth[name], found.jump[name] = centre.smooth[name], centre.jump[name]
         return replace(found, seen=centre.seen, risk=found.risk | centre.risk)
-    return _response(_again(scene, method, displaced, recorded), precision, probes, progress)
+    return _response(_perturbations(scene, method, displaced, recorded), precision, probes, progress)
 
 
-def _again(scene: Scene, method: str, displaced: Displaced | None, recorded: dict[str, Perturbations]) -> Perturbations:
+def _perturbations(scene: Scene, method: str, displaced: Displaced | None, recorded: dict[str, Perturbations]) -> Perturbations:
     if scene.hash not in recorded:
         recorded[scene.hash] = Perturbations(scene, method)
     recorded[scene.hash].displaced = displaced

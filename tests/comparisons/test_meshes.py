@@ -60,6 +60,16 @@ def test_a_file_that_is_not_whole_is_made_again(later, tmp_path):
         assert np.array_equal(convert.mesh_object(TORUS, SCENE, 24).vertices, made.vertices)
 
 
+def test_a_mesh_that_goes_while_it_is_taken_is_made_again(later, tmp_path, monkeypatch):
+    """Another process may bound the folder between a look at a mesh and its reading."""
+    meshes.keep_in(tmp_path)
+    convert.mesh_object(TORUS, SCENE, 24)
+    (file,) = (tmp_path / meshes.FOLDER).glob("*.npz")
+    monkeypatch.setattr(meshes.store, "load", lambda path, load=meshes.store.load: (path.unlink(), load(path)))
+    later(able=True)
+    assert convert.mesh_object(TORUS, SCENE, 24).triangles > 1000 and file.exists()  # made, and kept again
+
+
 def test_the_folder_has_a_size(later, tmp_path, monkeypatch):
     meshes.keep_in(tmp_path)
     for resolution in (24, 25, 26):
