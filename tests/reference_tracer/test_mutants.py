@@ -253,6 +253,21 @@ def put_in_place(mutant: Mutant, folder: Path, monkeypatch) -> None:
                     monkeypatch.setattr(module, key, getattr(wrong, key))
 
 
+@pytest.fixture(autouse=True)
+def nothing_remembered():
+    """What surfaces remember of a formula was found by right code before a mutant, and by wrong code after it."""
+    def forget():
+        for name, module in list(sys.modules.items()):
+            if name.startswith("raytruth.reference_tracer.surfaces"):
+                for function in vars(module).values():
+                    if hasattr(function, "cache_clear"):
+                        function.cache_clear()
+
+    forget()
+    yield
+    forget()
+
+
 @pytest.mark.parametrize("name", MUTANTS)
 def test_the_tests_notice_a_mutant(name, tmp_path, monkeypatch):
     mutant = MUTANTS[name]
